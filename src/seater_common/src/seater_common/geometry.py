@@ -1,0 +1,224 @@
+"""The chair and the dock: what simulation, control and evaluation must agree on (config/chair.yaml, config/docks/)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seater_common.params import param
+from seater_common.se2 import transform_points
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CameraMount:
+    """Where the camera sits: its body frame camera_link in base_link."""
+
+    x: float = param(0.45, "m", "ahead of the driven axle", low=-2.0, high=2.0)
+    y: float = param(0.0, "m", "left of the middle", low=-1.0, high=1.0)
+    z: float = param(0.70, "m", "above the floor", low=0.0, high=2.0)
+    roll: float = param(0.0, "rad", "about x", low=-math.pi, high=math.pi)
+    pitch: float = param(0.0, "rad", "about y; positive looks down", low=-1.6, high=1.6)
+    yaw: float = param(0.0, "rad", "about z; positive looks left", low=-math.pi, high=math.pi)
+
+    def T_base_optical(self) -> Array:
+        """4x4 pose of the optical frame (z forward, x right, y down) in base_link."""
+        T = np.eye(4)
+        body_to_optical = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+        T[:3, :3] = rotation_rpy(self.roll, self.pitch, self.yaw) @ body_to_optical
+        T[:3, 3] = [self.x, self.y, self.z]
+        return T
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the chair may be asked for."""
+
+    v_max: float = param(0.6, "m/s", "largest forward speed", low=0.01, high=3.0)
+    v_reverse_max: float = param(0.3, "m/s", "largest backward speed", low=0.0, high=3.0)
+    omega_max: float = param(0.8, "rad/s", "largest turning rate, both ways", low=0.01, high=4.0)
+    a_max: float = param(0.5, "m/s^2", "largest change of speed, both ways", low=0.01, high=5.0)
+    alpha_max: float = param(1.0, "rad/s^2", "largest change of turning rate, both ways", low=0.01, high=10.0)
+    v_bay_max: float = param(0.15, "m/s", "largest speed while the footprint reaches into the bay", low=0.01, high=1.0)
+
+
+@dataclass(frozen=True)
+class Chair:
+    """The vehicle: a unicycle round base_link (middle of the driven axle, x forward) with a rectangular footprint."""
+
+    length_front: float = param(0.75, "m", "footprint ahead of the axle", low=0.0, high=3.0)
+    length_rear: float = param(0.30, "m", "footprint behind the axle", low=0.0, high=3.0)
+    width: float = param(0.65, "m", "footprint across", low=0.1, high=3.0)
+    limits: Limits = field(default_factory=Limits)
+    camera: CameraMount = field(default_factory=CameraMount)
+
+    def corners(self) -> Array:
+        """Footprint corners in base_link, (4, 2) [m], anticlockwise from front left."""
+        half = 0.5 * self.width
+        return np.array(
+            [
+                [self.length_front, half],
+                [-self.length_rear, half],
+                [-self.length_rear, -half],
+                [self.length_front, -half],
+            ]
+        )
+
+    def corners_at(self, pose: ArrayLike) -> Array:
+        """Footprint corners, (4, 2) [m], in the frame in which the pose (x, y, heading) of base_link is given."""
+        return transform_points(pose, self.corners())
+
+
+@dataclass(frozen=True)
+class Marker:
+    """One printed marker standing upright at the dock."""
+
+    id: int = param(0, "", "number in the dictionary", low=0)
+    size: float = param(0.1, "m", "side of the black square", low=0.005, high=2.0)
+    position: list[float] = param([0.9, 0.0, 0.7], "m", "centre in the dock frame", length=3)
+    normal_yaw: float = param(
+        math.pi, "rad", "direction in which the print faces, about z of the dock frame", low=-3.1416, high=3.1416
+    )
+
+    def T_dock_marker(self) -> Array:
+        """4x4 pose of the marker frame (x right, y up as the print is read, z out of the paper) in the dock frame."""
+        normal = np.array([math.cos(self.normal_yaw), math.sin(self.normal_yaw), 0.0])
+        up = np.array([0.0, 0.0, 1.0])
+        T = np.eye(4)
+        T[:3, :3] = np.column_stack([np.cross(up, normal), up, normal])
+        T[:3, 3] = self.position
+        return T
+
+    def corners(self) -> Array:
+        """Corners in the marker frame, (4, 3) [m]: top-left, top-right, bottom-right, bottom-left as read."""
+        h = 0.5 * self.size
+        return np.array([[-h, h, 0.0], [h, h, 0.0], [h, -h, 0.0], [-h, -h, 0.0]])
+
+
+@dataclass(frozen=True)
+class Bay:
+    """A back wall across x and two side walls along x, in the dock frame."""
+
+    width: float = param(1.0, "m", "between the side walls", low=0.1, high=10.0)
+    back_wall_x: float = param(0.9, "m", "back wall ahead of the docked axle", low=0.0, high=10.0)
+    side_wall_length: float = param(0.9, "m", "how far the side walls run out from the back wall", low=0.0, high=10.0)
+    wall_thickness: float = param(0.10, "m", "of the side walls", low=0.01, high=1.0)
+    wall_height: float = param(1.2, "m", "of all walls", low=0.1, high=4.0)
+
+    @property
+    def entrance_x(self) -> float:
+        """Where the side walls begin, in the dock frame [m]."""
+        return self.back_wall_x - self.side_wall_length
+
+    def side_walls(self) -> list[Array]:
+        """Left and right wall as convex polygons, (4, 2) [m] each, anticlockwise, in the dock frame."""
+        inner, outer = 0.5 * self.width, 0.5 * self.width + self.wall_thickness
+        near, far = self.entrance_x, self.back_wall_x
+        left = np.array([[near, inner], [far, inner], [far, outer], [near, outer]])
+        right = np.array([[near, -outer], [far, -outer], [far, -inner], [near, -inner]])
+        return [left, right]
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """What counts as docked: base_link in the dock frame."""
+
+    position: float = param(0.010, "m", "largest distance", low=0.0005, high=0.5)
+    heading: float = param(0.01745, "rad", "largest heading error", low=0.0001, high=1.0)
+
+
+@dataclass(frozen=True)
+class Dock:
+    """A dock: the frame `dock` is where base_link must be when docked, x pointing the way the docked chair faces."""
+
+    name: str = param("default", "", "how a goal names it")
+    dictionary: str = param("DICT_4X4_50", "", "OpenCV's name of the marker dictionary")
+    markers: list[Marker] = field(
+        default_factory=lambda: [
+            Marker(0, 0.100, [0.9, 0.0, 0.7]),
+            Marker(1, 0.150, [0.9, 0.35, 0.7]),
+            Marker(2, 0.150, [0.9, -0.35, 0.7]),
+        ]
+    )
+    bay: Bay = field(default_factory=Bay)
+    predock_x: float = param(
+        -1.2, "m", "predock point on the dock's x axis, where the final straight begins", low=-5.0, high=-0.05
+    )
+    tolerance: Tolerance = field(default_factory=Tolerance)
+    contact_tolerance: Tolerance = field(default_factory=lambda: Tolerance(0.020, 0.035))
+
+    def __post_init__(self) -> None:
+        ids = [marker.id for marker in self.markers]
+        if not ids:
+            raise ValueError("markers: is empty, must name at least one marker")
+        if len(set(ids)) != len(ids):
+            raise ValueError(f"markers: ids {ids} are not all different")
+
+
+def rotation_rpy(roll: float, pitch: float, yaw: float) -> Array:
+    """3x3 rotation, fixed axes x, y, z in this order (as in URDF and tf)."""
+    cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (math.cos, math.sin))
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def pose_matrix(pose: ArrayLike) -> Array:
+    """4x4 transform of a planar pose (x, y, heading)."""
+    x, y, heading = np.asarray(pose, dtype=float)
+    T = np.eye(4)
+    T[:3, :3] = rotation_rpy(0.0, 0.0, heading)
+    T[:3, 3] = [x, y, 0.0]
+    return T
+
+
+def planar_pose(T: ArrayLike) -> Array:
+    """(x, y, heading) of a 4x4 transform: its translation and the direction of its x axis, seen from above."""
+    T = np.asarray(T, dtype=float)
+    return np.array([T[0, 3], T[1, 3], math.atan2(T[1, 0], T[0, 0])])
+
+
+def polygon_distance(a: ArrayLike, b: ArrayLike) -> float:
+    """Signed distance of two convex polygons, (n, 2) and (m, 2), anticlockwise [m]; negative when they overlap.
+
+    The gap is exact; of an overlap it is the smallest shift along an edge normal that parts them (separating axes).
+    """
+    a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
+    separation = max(_axis_separation(a, b), _axis_separation(b, a))
+    if separation <= 0.0:
+        return separation
+    return min(_vertex_distance(a, b), _vertex_distance(b, a))
+
+
+def _axis_separation(a: Array, b: Array) -> float:
+    """Largest gap of b behind an edge of a, over the edges of a [m]; shapes (n, 2) and (m, 2)."""
+    edges = np.roll(a, -1, axis=0) - a
+    normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.linalg.norm(edges, axis=1)[:, None]
+    gaps = normals @ b.T - np.sum(normals * a, axis=1)[:, None]
+    return float(np.max(np.min(gaps, axis=1)))
+
+
+def _vertex_distance(points: Array, polygon: Array) -> float:
+    """Smallest distance of the points (n, 2) from the polygon's edges (m, 2) [m]."""
+    start = polygon[None, :, :]
+    edge = np.roll(polygon, -1, axis=0)[None, :, :] - start
+    to_point = points[:, None, :] - start
+    along = np.clip(np.sum(to_point * edge, axis=2) / np.sum(edge * edge, axis=2), 0.0, 1.0)
+    return float(np.min(np.linalg.norm(to_point - along[:, :, None] * edge, axis=2)))
+
+
+def clearance(chair: Chair, bay: Bay, T_dock_base: ArrayLike) -> float:
+    """Smallest distance between the chair's footprint and the bay's walls [m]; negative when they overlap."""
+    corners = chair.corners_at(T_dock_base)
+    half = 0.5 * bay.width + bay.wall_thickness
+    x = bay.back_wall_x
+    back = np.array([[x, -half], [x + bay.wall_thickness, -half], [x + bay.wall_thickness, half], [x, half]])
+    return min(polygon_distance(corners, wall) for wall in [*bay.side_walls(), back])

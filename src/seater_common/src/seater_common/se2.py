@@ -1,0 +1,58 @@
+"""Planar poses.
+
+A pose is an array (x [m], y [m], heading [rad]). `T_a_b` is the pose of b in a: it takes coordinates in b to
+coordinates in a. Headings are wrapped to [-pi, pi] by `wrap_angle` and nowhere else in Python.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def wrap_angle(angle: float) -> float:
+    """The same direction in [-pi, pi] [rad]; NaN stays NaN."""
+    return math.remainder(angle, 2.0 * math.pi) if math.isfinite(angle) else math.nan
+
+
+def compose(T_a_b: ArrayLike, T_b_c: ArrayLike) -> Array:
+    """T_a_c, shape (3,)."""
+    x, y, heading = np.asarray(T_a_b, dtype=float)
+    bx, by, b_heading = np.asarray(T_b_c, dtype=float)
+    c, s = math.cos(heading), math.sin(heading)
+    return np.array([x + c * bx - s * by, y + s * bx + c * by, wrap_angle(heading + b_heading)])
+
+
+def inverse(T_a_b: ArrayLike) -> Array:
+    """T_b_a, shape (3,)."""
+    x, y, heading = np.asarray(T_a_b, dtype=float)
+    c, s = math.cos(heading), math.sin(heading)
+    return np.array([-c * x - s * y, s * x - c * y, wrap_angle(-heading)])
+
+
+def relative(T_a_b: ArrayLike, T_a_c: ArrayLike) -> Array:
+    """T_b_c, shape (3,): c as seen from b, both given in a."""
+    return compose(inverse(T_a_b), T_a_c)
+
+
+def transform_points(T_a_b: ArrayLike, points_b: ArrayLike) -> Array:
+    """Points of shape (n, 2), given in b, in a."""
+    x, y, heading = np.asarray(T_a_b, dtype=float)
+    c, s = math.cos(heading), math.sin(heading)
+    rotation = np.array([[c, -s], [s, c]])
+    return np.asarray(points_b, dtype=float) @ rotation.T + np.array([x, y])
+
+
+def arc_step(pose: ArrayLike, v: float, omega: float, duration: float) -> Array:
+    """Pose after driving with constant v [m/s] and omega [rad/s] for duration [s], exactly: an arc of a circle."""
+    x, y, heading = np.asarray(pose, dtype=float)
+    half = 0.5 * omega * duration
+    chord = v * duration * float(np.sinc(half / math.pi))
+    direction = heading + half
+    return np.array(
+        [x + chord * math.cos(direction), y + chord * math.sin(direction), wrap_angle(heading + 2.0 * half)]
+    )
