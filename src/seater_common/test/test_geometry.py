@@ -12,6 +12,8 @@ from seater_common.geometry import (
     planar_pose,
     polygon_distance,
     pose_matrix,
+    rotation_matrix,
+    rotation_rpy,
 )
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
@@ -51,3 +53,11 @@ def test_clearance_of_the_docked_chair() -> None:
     assert clearance(chair, bay, [0, 0, 0]) == pytest.approx(0.15)  # front to the back wall
     assert clearance(chair, bay, [0, 0.1, 0]) == pytest.approx(0.075)  # left side to the left wall
     assert clearance(chair, bay, [0.2, 0, 0]) == pytest.approx(-0.05)
+
+
+def test_rotation_matrix_of_a_quaternion_about_each_axis() -> None:
+    half = 0.35
+    for axis, rpy in enumerate(np.eye(3) * 2 * half):
+        quaternion = [0.0, 0.0, 0.0, math.cos(half)]
+        quaternion[axis] = math.sin(half)
+        np.testing.assert_allclose(rotation_matrix(*quaternion), rotation_rpy(*rpy), atol=1e-15)

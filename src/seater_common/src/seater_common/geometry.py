@@ -171,6 +171,17 @@ def rotation_rpy(roll: float, pitch: float, yaw: float) -> Array:
     )
 
 
+def rotation_matrix(x: float, y: float, z: float, w: float) -> Array:
+    """3x3 rotation of a unit quaternion."""
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
 def pose_matrix(pose: ArrayLike) -> Array:
     """4x4 transform of a planar pose (x, y, heading)."""
     x, y, heading = np.asarray(pose, dtype=float)

@@ -1,0 +1,148 @@
+"""One recorded docking as arrays, read from its bag.
+
+Times are ROS seconds of the message's own stamp; poses are (x [m], y [m], heading [rad]).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class RecordingError(RuntimeError):
+    """The bag cannot be read or lacks what a report needs."""
+
+
+def _empty(columns: int) -> Any:
+    return field(default_factory=lambda: np.zeros((0, columns)))
+
+
+@dataclass
+class Recording:
+    """What the reports use. Empty arrays where a topic was not recorded."""
+
+    truth: Array = _empty(6)  # (n, 6): time, x, y, heading of base_link in the true dock frame, v [m/s], omega [rad/s]
+    odom: Array = _empty(6)  # (n, 6): the same in odom, from the wheels
+    dock_in_odom: Array = _empty(4)  # (n, 4): time, x, y, heading of the estimated dock in odom
+    pictures: Array = _empty(4)  # (n, 4): time, markers seen, dock seen (0 or 1), processing time [s]
+    control: Array = _empty(6)  # (n, 6): time, solve time [s], iterations, status, asked v, asked omega
+    commands: Array = _empty(3)  # (n, 3): time, v, omega as sent to the motors
+    phases: list[tuple[float, str]] = field(default_factory=list)  # (time, phase) at each change
+    goal_time: float | None = None
+    result_time: float | None = None
+    result: Any = None  # seater_msgs/DockResult
+
+
+def read_recording(path: str | Path) -> Recording:
+    """Raises RecordingError when the bag is unreadable or has no ground truth."""
+    import rosbag
+
+    rows: dict[str, list[list[float]]] = {k: [] for k in ("truth", "odom", "dock", "pictures", "control", "commands")}
+    recording = Recording()
+    try:
+        with rosbag.Bag(str(path)) as bag:
+            for topic, message, _ in bag.read_messages(topics=list(_READERS)):
+                _READERS[topic](message, rows, recording)
+    except (OSError, rosbag.ROSBagException) as error:
+        raise RecordingError(f"cannot read the bag {path}: {error}") from error
+    if not rows["truth"]:
+        raise RecordingError(f"{path}: holds no ground_truth; was it recorded in the simulation?")
+    recording.truth = _sorted(rows["truth"], 6)
+    recording.odom = _sorted(rows["odom"], 6)
+    recording.dock_in_odom = _sorted(rows["dock"], 4)
+    recording.pictures = _sorted(rows["pictures"], 4)
+    recording.control = _sorted(rows["control"], 6)
+    recording.commands = _sorted(rows["commands"], 3)
+    return recording
+
+
+def pose_at(track: Array, time: float) -> Array:
+    """The pose (3,) at a time within a track whose columns begin with time, x, y, heading; linear in between."""
+    heading = np.unwrap(track[:, 3])
+    columns = [track[:, 1], track[:, 2], heading]
+    x, y, angle = (float(np.interp(time, track[:, 0], column)) for column in columns)
+    return np.array([x, y, math.remainder(angle, 2.0 * math.pi)])
+
+
+def heading_of(orientation: Any) -> float:
+    """Heading [rad] of a geometry_msgs/Quaternion that turns about z only."""
+    return math.atan2(
+        2.0 * (orientation.w * orientation.z + orientation.x * orientation.y),
+        1.0 - 2.0 * (orientation.y**2 + orientation.z**2),
+    )
+
+
+def _sorted(rows: Iterable[list[float]], columns: int) -> Array:
+    return np.array(sorted(rows), dtype=float).reshape(-1, columns)
+
+
+def _pose_row(message: Any) -> list[float]:
+    pose = message.pose.pose
+    return [message.header.stamp.to_sec(), pose.position.x, pose.position.y, heading_of(pose.orientation)]
+
+
+def _read_odometry(key: str) -> Any:
+    def read(message: Any, rows: dict[str, list[list[float]]], _: Recording) -> None:
+        twist = message.twist.twist
+        rows[key].append([*_pose_row(message), twist.linear.x, twist.angular.z])
+
+    return read
+
+
+def _read_dock(message: Any, rows: dict[str, list[list[float]]], _: Recording) -> None:
+    rows["dock"].append(_pose_row(message))
+
+
+def _read_detections(message: Any, rows: dict[str, list[list[float]]], _: Recording) -> None:
+    stamp = message.header.stamp.to_sec()
+    rows["pictures"].append([stamp, len(message.markers), float(bool(message.dock)), message.processing_time])
+
+
+def _read_status(message: Any, rows: dict[str, list[list[float]]], recording: Recording) -> None:
+    if message.status == message.IDLE:
+        return
+    command = message.command
+    stamp = message.header.stamp.to_sec()
+    rows["control"].append(
+        [stamp, message.solve_time, message.iterations, message.status, command.linear.x, command.angular.z]
+    )
+
+
+def _read_command(message: Any, rows: dict[str, list[list[float]]], _: Recording) -> None:
+    rows["commands"].append([message.header.stamp.to_sec(), message.twist.linear.x, message.twist.angular.z])
+
+
+def _read_goal(message: Any, _: dict[str, list[list[float]]], recording: Recording) -> None:
+    recording.goal_time = message.header.stamp.to_sec()
+
+
+def _read_feedback(message: Any, _: dict[str, list[list[float]]], recording: Recording) -> None:
+    phase = message.feedback.phase_text
+    if not recording.phases or recording.phases[-1][1] != phase:
+        recording.phases.append((message.header.stamp.to_sec(), phase))
+
+
+def _read_result(message: Any, _: dict[str, list[list[float]]], recording: Recording) -> None:
+    recording.result_time = message.header.stamp.to_sec()
+    recording.result = message.result
+
+
+_READERS: dict[str, Any] = {
+    "/ground_truth": _read_odometry("truth"),
+    "/odom": _read_odometry("odom"),
+    "/dock_pose_filtered": _read_dock,
+    "/detections": _read_detections,
+    "/controller_status": _read_status,
+    "/cmd_vel_stamped": _read_command,
+    "/dock/goal": _read_goal,
+    "/dock/feedback": _read_feedback,
+    "/dock/result": _read_result,
+}

@@ -1,0 +1,1 @@
+"""What talks to ROS: running launch files, the action client, replay."""

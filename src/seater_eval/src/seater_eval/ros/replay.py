@@ -1,0 +1,226 @@
+"""Feeds a recording to perception and the docking node, step by step, and keeps what they answer.
+
+Messages go out in the order in which they were recorded. After a picture it waits for the detections of this picture
+and for the docking node to have used them, after an odometry message for the docking node as well; so the rate changes
+how long a replay takes, never what it finds.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import rosbag
+import rospy
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+
+from seater_common.geometry import Chair, planar_pose, pose_matrix, rotation_matrix
+from seater_eval.recording import heading_of, pose_at
+from seater_eval.replay_log import CycleRow, PictureRow
+from seater_msgs.msg import ControllerStatus, InputDone, MarkerDetectionArray
+
+ANSWER_TIMEOUT = 10.0  # [s] wall time
+
+
+class ReplayError(RuntimeError):
+    """The bag cannot be replayed, or a node does not answer."""
+
+
+@dataclass
+class Topics:
+    """Topic names in the bag, and which form of pictures it holds."""
+
+    image: str
+    camera_info: str
+    odom: str
+    transport: str = "raw"
+
+    @property
+    def pictures(self) -> str:
+        return self.image + "/compressed" if self.transport == "compressed" else self.image
+
+
+def absolute(name: str) -> str:
+    return name if name.startswith("/") else "/" + name
+
+
+class Answers:
+    """What came back, by stamp. Callbacks store, the replay waits."""
+
+    def __init__(self) -> None:
+        self._condition = threading.Condition()
+        self.detections: dict[rospy.Time, MarkerDetectionArray] = {}
+        self.status: list[ControllerStatus] = []
+        self._done: set[tuple[str, rospy.Time]] = set()
+        rospy.Subscriber("detections", MarkerDetectionArray, self._on_detections, queue_size=100)
+        rospy.Subscriber("controller_status", ControllerStatus, self._on_status, queue_size=1000)
+        rospy.Subscriber("input_done", InputDone, self._on_done, queue_size=1000)
+
+    def _on_detections(self, message: MarkerDetectionArray) -> None:
+        with self._condition:
+            self.detections[message.header.stamp] = message
+            self._condition.notify_all()
+
+    def _on_status(self, message: ControllerStatus) -> None:
+        with self._condition:
+            self.status.append(message)
+
+    def _on_done(self, message: InputDone) -> None:
+        with self._condition:
+            self._done.add((message.input, message.header.stamp))
+            self._condition.notify_all()
+
+    def wait_for_detections(self, stamp: rospy.Time) -> bool:
+        """False when perception did not answer: it refuses a bad picture and says so in its log."""
+        return self._wait(lambda: stamp in self.detections)
+
+    def wait_for_done(self, name: str, stamp: rospy.Time) -> None:
+        if not self._wait(lambda: (name, stamp) in self._done):
+            raise ReplayError(f"the docking node did not answer to {name} of {stamp.to_sec():.3f} s")
+
+    def _wait(self, condition: Any) -> bool:
+        end = time.monotonic() + ANSWER_TIMEOUT
+        with self._condition:
+            while not condition():
+                if rospy.is_shutdown() or not self._condition.wait(max(0.0, end - time.monotonic())):
+                    return bool(condition())
+        return True
+
+
+class Replay:
+    """One pass over one bag."""
+
+    def __init__(self, bag: rosbag.Bag, topics: Topics, rate: float) -> None:
+        self._bag, self._topics, self._rate = bag, topics, rate
+        names = bag.get_type_and_topic_info()[1]
+        self._names = {key: self._find(getattr(topics, key), names) for key in ("pictures", "camera_info", "odom")}
+        self.pictures_in_bag = int(names[self._names["pictures"]].message_count)
+        self.length = bag.get_end_time() - bag.get_start_time()
+        kind = CompressedImage if topics.transport == "compressed" else Image
+        suffix = "/compressed" if topics.transport == "compressed" else ""
+        self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
+        self._publishers = {
+            "odom": rospy.Publisher("odom", Odometry, queue_size=10),
+            "camera_info": rospy.Publisher("camera/color/camera_info", CameraInfo, queue_size=10),
+            "pictures": rospy.Publisher("camera/color/image_raw" + suffix, kind, queue_size=10),
+        }
+        self.answers = Answers()
+        self.unanswered = 0
+
+    @staticmethod
+    def _find(wanted: str, names: Any) -> str:
+        for name in names:
+            if absolute(name) == absolute(wanted):
+                return str(name)
+        raise ReplayError(f"the bag has no topic {wanted}; it has: {', '.join(sorted(names))}")
+
+    def wait_for_listeners(self, timeout: float) -> None:
+        """Until perception and docking node are connected."""
+        end = time.monotonic() + timeout
+        for key, publisher in self._publishers.items():
+            while publisher.get_num_connections() == 0:
+                if time.monotonic() > end or rospy.is_shutdown():
+                    raise ReplayError(f"nobody listens to {publisher.resolved_name} ({key})")
+                # Time has to be above zero for some nodes to start.
+                self._clock.publish(rospy.Time.from_sec(max(0.001, self._bag.get_start_time())))
+                time.sleep(0.05)
+
+    def run(self) -> Iterator[float]:
+        """Yields the share that is done, 0..1."""
+        first: float | None = None
+        started = time.monotonic()
+        for key, message, stamp in self._messages():
+            if rospy.is_shutdown():
+                raise ReplayError("interrupted")
+            first = stamp.to_sec() if first is None else first
+            elapsed = stamp.to_sec() - first
+            if self._rate > 0.0:
+                time.sleep(max(0.0, elapsed / self._rate - (time.monotonic() - started)))
+            self._clock.publish(stamp)
+            self._publishers[key].publish(message)
+            self._wait_for_answer(key, message.header.stamp)
+            yield elapsed / self.length if self.length > 0.0 else 1.0
+
+    def _messages(self) -> Iterator[tuple[str, Any, rospy.Time]]:
+        """In recorded order; a camera_info goes out before its picture whichever was recorded first."""
+        keys = {name: key for key, name in self._names.items()}
+        waiting: dict[rospy.Time, tuple[str, Any]] = {}
+        for name, message, stamp in self._bag.read_messages(topics=list(keys)):
+            key = keys[name]
+            if key == "odom":
+                yield key, message, stamp
+                continue
+            other = waiting.pop(message.header.stamp, None)
+            if other is None:
+                waiting[message.header.stamp] = (key, message)
+                continue
+            pair = dict([other, (key, message)])
+            if len(pair) == 2:
+                yield "camera_info", pair["camera_info"], stamp
+                yield "pictures", pair["pictures"], stamp
+
+    def _wait_for_answer(self, key: str, stamp: rospy.Time) -> None:
+        if key == "odom":
+            self.answers.wait_for_done("odom", stamp)
+        elif key == "pictures":
+            if self.answers.wait_for_detections(stamp):
+                self.answers.wait_for_done("detections", stamp)
+            else:
+                self.unanswered += 1
+
+    def picture_rows(self, chair: Chair) -> list[PictureRow]:
+        """The dock in odom at each picture's own time."""
+        track = self._odometry_track()
+        T_base_optical = chair.camera.T_base_optical()
+        return [
+            _picture_row(message, track, T_base_optical)
+            for _, message in sorted(self.answers.detections.items(), key=lambda item: item[0].to_sec())
+        ]
+
+    def cycle_rows(self) -> list[CycleRow]:
+        recorded = self._recorded_commands()
+        return [_cycle_row(message, recorded) for message in self.answers.status if message.status != message.IDLE]
+
+    def _odometry_track(self) -> np.ndarray:
+        rows = []
+        for _, message, _ in self._bag.read_messages(topics=[self._names["odom"]]):
+            pose = message.pose.pose
+            stamp = message.header.stamp.to_sec()
+            rows.append([stamp, pose.position.x, pose.position.y, heading_of(pose.orientation)])
+        return np.array(rows, dtype=float)
+
+    def _recorded_commands(self) -> dict[rospy.Time, tuple[float, float]]:
+        messages = self._bag.read_messages(topics=["velocity_request", "/velocity_request"])
+        return {m.header.stamp: (m.twist.linear.x, m.twist.angular.z) for _, m, _ in messages}
+
+
+def _picture_row(message: MarkerDetectionArray, track: np.ndarray, T_base_optical: np.ndarray) -> PictureRow:
+    stamp = message.header.stamp.to_sec()
+    row = PictureRow(stamp, len(message.markers), int(bool(message.dock)), None, None, None, None,
+                     1e3 * message.processing_time)  # fmt: skip
+    if not message.dock:
+        return row
+    estimate = message.dock[0].pose
+    p, q = estimate.pose.position, estimate.pose.orientation
+    T_optical_dock = np.eye(4)
+    T_optical_dock[:3, :3] = rotation_matrix(q.x, q.y, q.z, q.w)
+    T_optical_dock[:3, 3] = [p.x, p.y, p.z]
+    pose = planar_pose(pose_matrix(pose_at(track, stamp)) @ T_base_optical @ T_optical_dock)
+    row.dock_x, row.dock_y, row.dock_heading = (float(v) for v in pose)
+    row.position_sd = math.sqrt(sum(estimate.covariance[i * 7] for i in range(3)))
+    return row
+
+
+def _cycle_row(message: ControllerStatus, recorded: dict[rospy.Time, tuple[float, float]]) -> CycleRow:
+    v, omega = recorded.get(message.header.stamp, (None, None))
+    return CycleRow(
+        message.header.stamp.to_sec(), message.phase, message.status, 1e3 * message.solve_time, message.iterations,
+        message.command.linear.x, message.command.angular.z, v, omega,
+    )  # fmt: skip
