@@ -66,7 +66,8 @@ def _draw_map(axes: Axes, recording: Recording, dock: Dock, chair: Chair) -> Non
     axes.set_ylabel("y [m]")
     axes.set_title("Seen from above")
     axes.grid(alpha=0.3)
-    axes.legend(loc="best", fontsize=9)
+    axes.margins(0.06)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), fontsize=9, ncol=4, frameon=False)
 
 
 def _draw_bay(axes: Axes, dock: Dock) -> None:
@@ -160,7 +161,7 @@ def _draw_computation(axes: Axes, recording: Recording) -> None:
         axes.plot(
             pictures[~seen, 0] - t0, 1e3 * pictures[~seen, 3], "x", color="#c03030", ms=5, label="picture, not seen"
         )
-    axes.set_ylim(bottom=0.0)
+    axes.set_ylim(0.0, 1.25 * axes.get_ylim()[1])
     axes.set_title("Computing time [ms]")
     axes.set_xlabel("time since the goal [s]")
     axes.legend(loc="upper right", fontsize=8)

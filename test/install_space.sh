@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# The install space serves by itself: installs the built workspace into a fresh folder and docks from there.
+# usage: install_space.sh ROOT PREFIX
+set -euo pipefail
+root=$1 prefix=$2
+rm -rf "$prefix"
+cmake --install "$root/build" --prefix "$prefix"
+# Nothing of the build or devel space may help.
+unset CMAKE_PREFIX_PATH ROS_PACKAGE_PATH PYTHONPATH LD_LIBRARY_PATH PKG_CONFIG_PATH ROSLISP_PACKAGE_DIRECTORIES
+set +u
+# shellcheck disable=SC1091
+source "$prefix/setup.bash"
+set -u
+for package in seater_perception seater_nmpc seater_sim seater_bringup seater_config; do
+  found=$(rospack find "$package")
+  case "$found" in "$prefix"/*) ;; *) echo "$package is found in $found, not in $prefix"; exit 1 ;; esac
+done
+rosrun seater_perception detect_image --help
+rosrun seater_eval dock_run --start "-1.6 0 0" --images none --results "$prefix/dock"

@@ -1,0 +1,42 @@
+#!/usr/bin/env python3
+"""Docks from the start of the launch file; the TRUE final error is small, nothing was touched, the chair stands."""
+
+import math
+import sys
+
+import rospy
+import rostest
+from seater_test.harness import DockingCase
+
+from seater_common.geometry import clearance
+from seater_msgs.msg import DockResult
+
+LARGEST_DISTANCE = 0.010  # [m]
+LARGEST_HEADING = math.radians(1.0)
+
+
+class DockOutOfPixels(DockingCase):
+    def test_docks(self) -> None:
+        self.start()
+        result = self.result()
+        self.assertEqual(result.result_code, DockResult.SUCCESS, result.result_text)
+        self.assertTrue(result.success and result.contact)
+        distance, heading = self.final_error()
+        rospy.loginfo("true final error %.2f mm, %.3f deg", 1e3 * distance, math.degrees(heading))
+        self.assertLessEqual(distance, LARGEST_DISTANCE)
+        self.assertLessEqual(heading, LARGEST_HEADING)
+        self.assert_standing()
+        self.assert_commands_within_limits()
+        smallest = min(clearance(self.chair, self.dock.bay, row[1:4]) for row in self.truth)
+        self.assertGreater(smallest, 0.0, "the chair touched a wall")
+        self.assert_slow_inside_the_bay()
+
+    def assert_slow_inside_the_bay(self) -> None:
+        inside = [row for row in self.truth if row[1] + self.chair.length_front > self.dock.bay.entrance_x]
+        self.assertTrue(inside, "the chair never reached the bay")
+        # 0.01 m/s for the lag between the command and the motors.
+        self.assertLessEqual(max(abs(row[4]) for row in inside), self.chair.limits.v_bay_max + 0.01)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("seater_test", "dock_out_of_pixels", DockOutOfPixels, sys.argv)

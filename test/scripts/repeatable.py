@@ -1,0 +1,52 @@
+#!/usr/bin/env python3
+"""The same seed gives the same run to the last bit, with both cores busy too; another seed gives another run."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+import rostest
+
+from seater_eval.recording import Recording, read_recording
+
+BUSY = "while True: pass"
+
+
+class Repeatable(unittest.TestCase):
+    def test_same_seed_same_run(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            first = self.simulate(Path(folder) / "first", seed=7)
+            load = [subprocess.Popen([sys.executable, "-c", BUSY]) for _ in range(os.cpu_count() or 2)]
+            try:
+                second = self.simulate(Path(folder) / "second", seed=7)
+            finally:
+                for process in load:
+                    process.kill()
+                    process.wait()
+            other = self.simulate(Path(folder) / "other", seed=8)
+        self.assert_same("true poses", first.truth, second.truth)
+        self.assert_same("commands", first.commands, second.commands)
+        length = min(len(first.truth), len(other.truth))
+        self.assertFalse(np.array_equal(first.truth[:length], other.truth[:length]), "the seed changes nothing")
+
+    def simulate(self, results: Path, seed: int) -> Recording:
+        options = ["--start", "-1.7 0.1 5", "--images", "none", "--seed", str(seed), "--results", str(results)]
+        command = ["rosrun", "seater_eval", "dock_run", *options]
+        run = subprocess.run(command, capture_output=True, text=True, timeout=500)
+        self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
+        return read_recording(results / "run.bag")
+
+    def assert_same(self, what: str, first: np.ndarray, second: np.ndarray) -> None:
+        # How long the simulation ran on after the result depends on the machine; all before must agree.
+        length = min(len(first), len(second))
+        self.assertGreater(length, 100, what)
+        different = np.flatnonzero(np.any(first[:length] != second[:length], axis=1))
+        self.assertEqual(len(different), 0, f"{what} differ first in row {different[:1]} of {length}")
+
+
+if __name__ == "__main__":
+    rostest.rosrun("seater_test", "repeatable", Repeatable, sys.argv)

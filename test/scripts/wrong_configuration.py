@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+"""A node with a missing or impossible parameter does not start, and names the full key."""
+
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+import rosgraph
+import rospkg
+import rostest
+import yaml
+
+CONFIG = Path(rospkg.RosPack().get_path("seater_config"))
+
+
+def read(name: str) -> dict:
+    return yaml.safe_load((CONFIG / name).read_text())
+
+
+def everything() -> dict:
+    """Parameters with which every node starts."""
+    return {
+        "chair": read("chair.yaml"), "dock": read("docks/default.yaml"), "camera": read("cameras/d455.yaml"),
+        "controller": read("controller.yaml"), "perception": read("perception.yaml"),
+        "simulator": read("simulator.yaml"), "safety": read("safety.yaml"),
+        "start": {"x": -2.0, "y": 0.0, "heading": 0.0}, "seed": 1, "start_paused": True, "lock_step": False,
+        "rate": 0.0, "participants": [], "events": [], "shadow": False, "require_contact": False,
+        "rectified": False, "image_transport": "raw",
+    }  # fmt: skip
+
+
+class WrongConfiguration(unittest.TestCase):
+    def refuses(self, package: str, executable: str, path: str, value: object) -> None:
+        """With the parameter at `path` replaced (None: removed) the node ends by itself and names the key."""
+        node = f"{executable}_{path.replace('/', '_')}"
+        values = everything()
+        *parents, last = path.split("/")
+        inner = values
+        for key in parents:
+            inner = inner[key]
+        del inner[last]
+        if value is not None:
+            inner[last] = value
+        rosgraph.Master("/test").setParam("/" + node, values)
+        command = ["rosrun", package, executable, f"__name:={node}"]
+        run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60)
+        self.assertNotEqual(run.returncode, 0, run.stdout)
+        self.assertIn(path, run.stdout)
+        self.assertNotIn("Traceback", run.stdout)
+        if value is not None:
+            self.assertIn(str(value), run.stdout)
+
+    def test_docking_node(self) -> None:
+        self.refuses("seater_nmpc", "docking_node", "chair/limits/v_max", None)
+        self.refuses("seater_nmpc", "docking_node", "chair/limits/v_max", -1.5)
+        self.refuses("seater_nmpc", "docking_node", "dock/tolerance/position", "wide")
+
+    def test_sim_node(self) -> None:
+        self.refuses("seater_sim", "sim_node", "chair/width", None)
+        self.refuses("seater_sim", "sim_node", "dock/bay/width", -2.25)
+
+    def test_safety_gate(self) -> None:
+        self.refuses("seater_safety", "safety_gate", "safety/request_timeout", None)
+
+    def test_marker_detector(self) -> None:
+        self.refuses("seater_perception", "marker_detector_node", "dock/dictionary", None)
+        self.refuses("seater_perception", "marker_detector_node", "dock/dictionary", "DICT_9X9_9")
+        self.refuses("seater_perception", "marker_detector_node", "rectified", None)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("seater_test", "wrong_configuration", WrongConfiguration, sys.argv)

@@ -1,0 +1,53 @@
+"""Rules of the layout that a reader relies on."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PYTHON_ROS = re.compile(r"^\s*(?:import|from)\s+(rospy|rosbag|actionlib|tf2_ros|tf|cv_bridge|\w+_msgs)\b", re.MULTILINE)
+CPP_ROS = re.compile(r"#include\s*[<\"](ros/|nodelet/|image_transport/|cv_bridge/|tf2_ros/|\w+_msgs/)")
+
+
+def is_adapter(path: Path) -> bool:
+    """What lies in a folder `ros` or `*_ros`, in `nodes`, or is a `*_node`, talks to ROS."""
+    relative = path.relative_to(ROOT)
+    return any(p == "ros" or p.endswith("_ros") or p == "nodes" for p in relative.parts) or path.stem.endswith("_node")
+
+
+def core_files(pattern: str) -> list[Path]:
+    return [p for p in sorted(ROOT.glob(pattern)) if not is_adapter(p)]
+
+
+@pytest.mark.parametrize("path", core_files("src/seater_*/src/**/*.py"), ids=lambda p: str(p.relative_to(ROOT)))
+def test_python_core_imports_no_ros(path: Path) -> None:
+    # Imports inside a function are allowed to read bags and nothing else.
+    found = [m.group(1) for m in PYTHON_ROS.finditer(path.read_text()) if m.group(0).strip() != "import rosbag"]
+    assert found == []
+
+
+@pytest.mark.parametrize(
+    "path",
+    core_files("src/seater_*/include/**/*.h")
+    + core_files("src/seater_*/src/**/*.cpp")
+    + core_files("src/*/tools/*.cpp"),
+    ids=lambda p: str(p.relative_to(ROOT)),
+)
+def test_cpp_core_includes_no_ros(path: Path) -> None:
+    assert CPP_ROS.findall(path.read_text()) == []
+
+
+def test_there_are_cores_to_check() -> None:
+    assert len(core_files("src/seater_*/src/**/*.py")) > 15
+    assert len(core_files("src/seater_*/src/**/*.cpp")) > 5
+
+
+@pytest.mark.parametrize("launch", sorted(ROOT.glob("src/seater_bringup/launch/*.launch")), ids=lambda p: p.name)
+def test_launch_files_use_no_absolute_topic_names(launch: Path) -> None:
+    assert not re.search(r'<remap[^>]*"/', launch.read_text())
+
+
+@pytest.mark.parametrize("script", ["seater", "tools/make_venv.sh", "tools/run_tests.py", ".ci/run"])
+def test_scripts_are_executable(script: str) -> None:
+    assert (ROOT / script).stat().st_mode & 0o111

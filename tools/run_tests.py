@@ -1,0 +1,203 @@
+#!/usr/bin/env python3
+"""Run the tests of the built workspace: gtest, pytest, rostest, catkin_lint, ruff, mypy, clang-format.
+
+Ends with one line `N passed, N failed`, with `, N skipped` where tests were skipped. Details are in results/test.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import time
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+OUTPUT = ROOT / "results" / "test"
+LONGEST = 1200  # [s] of one command
+
+
+@dataclass
+class Tally:
+    """Counts and what went wrong."""
+
+    passed: int = 0
+    failed: int = 0
+    skipped: int = 0
+    problems: list[str] = field(default_factory=list)
+
+    def add(self, other: Tally) -> None:
+        self.passed += other.passed
+        self.failed += other.failed
+        self.skipped += other.skipped
+        self.problems += other.problems
+
+    def __str__(self) -> str:
+        return f"{self.passed} passed, {self.failed} failed" + (f", {self.skipped} skipped" if self.skipped else "")
+
+
+def command(name: str, words: list[str], **environment: str) -> tuple[int, Path]:
+    """Runs it with its output in a file; returns exit code and file."""
+    log = OUTPUT / f"{name}.log"
+    with log.open("wb") as out:
+        try:
+            run = subprocess.run(
+                words, cwd=ROOT, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, timeout=LONGEST,
+                env={**os.environ, **environment},
+            )  # fmt: skip
+        except subprocess.TimeoutExpired:
+            return 124, log
+    return run.returncode, log
+
+
+def tail(log: Path, lines: int = 40) -> str:
+    return "\n".join(log.read_text(errors="replace").splitlines()[-lines:])
+
+
+def check(name: str, words: list[str], **environment: str) -> Tally:
+    """A command whose exit code is the test."""
+    code, log = command(name, words, **environment)
+    if code == 0:
+        return Tally(passed=1)
+    return Tally(failed=1, problems=[f"{name}: exit code {code}\n{tail(log)}"])
+
+
+def junit(name: str, code: int, log: Path, report: Path) -> Tally:
+    """Counts of a JUnit file; a crash without a report is a failure."""
+    tally = Tally()
+    if report.exists():
+        for case in ElementTree.parse(report).getroot().iter("testcase"):
+            wrong = [element for element in case if element.tag in ("failure", "error")]
+            if wrong:
+                tally.failed += 1
+                text = wrong[0].text or wrong[0].get("message") or ""
+                tally.problems.append(f"{name}: {case.get('classname')}.{case.get('name')}\n{text.strip()[-3000:]}")
+            elif case.find("skipped") is not None or case.get("status") == "notrun" or case.get("result") == "skipped":
+                tally.skipped += 1
+                print(f"    skipped: {case.get('classname')}.{case.get('name')}")
+            else:
+                tally.passed += 1
+    if code != 0 and tally.failed == 0:
+        tally.failed += 1
+        tally.problems.append(f"{name}: exit code {code}\n{tail(log)}")
+    if code == 0 and tally.passed + tally.failed + tally.skipped == 0:
+        tally.failed += 1
+        tally.problems.append(f"{name}: ran no test\n{tail(log)}")
+    return tally
+
+
+def gtests() -> Tally:
+    tally = Tally()
+    programs = sorted(p for p in (ROOT / "build" / "devel" / "lib").glob("*/*_test") if os.access(p, os.X_OK))
+    if not programs:
+        return Tally(failed=1, problems=["gtest: no test program was built"])
+    for program in programs:
+        report = OUTPUT / f"{program.name}.xml"
+        report.unlink(missing_ok=True)
+        code, log = command(program.name, [str(program), f"--gtest_output=xml:{report}"])
+        tally.add(junit(program.name, code, log, report))
+    return tally
+
+
+def pytests() -> Tally:
+    report = OUTPUT / "pytest.xml"
+    report.unlink(missing_ok=True)
+    folders = [str(f.relative_to(ROOT)) for f in sorted(ROOT.glob("src/*/test")) if any(f.glob("test_*.py"))]
+    # Test modules of different packages may bear the same name.
+    words = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "--import-mode=importlib",
+        f"--junitxml={report}",
+        *folders,
+        "test/structure",
+    ]
+    code, log = command("pytest", words)
+    return junit("pytest", code, log, report)
+
+
+def rostests() -> Tally:
+    tally = Tally()
+    for launch in sorted((ROOT / "test" / "launch").glob("*.test")):
+        tally.add(rostest(launch))
+    return tally
+
+
+def rostest(launch: Path) -> Tally:
+    started = time.monotonic()
+    base = OUTPUT / "rostest"
+    report = base / "seater_test" / f"rostest-{launch.stem}.xml"
+    report.unlink(missing_ok=True)
+    words = ["rostest", "--results-base-dir", str(base), "--results-filename", f"{launch.stem}.xml", str(launch)]
+    code, log = command(f"rostest_{launch.stem}", words, ROS_LOG_DIR=str(OUTPUT / "ros"))
+    tally = junit(f"rostest {launch.stem}", code, log, report)
+    print(f"    {launch.stem}: {tally} ({time.monotonic() - started:.0f} s)", flush=True)
+    return tally
+
+
+def packages() -> list[Path]:
+    return sorted(p.parent for folder in ("src/*", "config", "test") for p in ROOT.glob(f"{folder}/package.xml"))
+
+
+def lint() -> Tally:
+    tally = Tally()
+    for package in packages():
+        words = ["catkin_lint", "-W2", "--strict", str(package)]
+        if package.parent == ROOT:  # config/ and test/ are named for people who look into the repository
+            words += ["--ignore", "package_path_name"]
+        tally.add(check(f"catkin_lint_{package.name}", words))
+    tally.add(check("ruff_check", ["ruff", "check", "."]))
+    tally.add(check("ruff_format", ["ruff", "format", "--check", "."]))
+    sources = [p / "src" for p in packages() if (p / "src" / p.name.replace("test", "seater_test")).is_dir()]
+    path = ":".join(str(s) for s in sources)
+    tally.add(check("mypy", ["mypy", *(str(s) for s in sources)], MYPYPATH=path))
+    cpp = sorted(str(f) for end in ("h", "cpp") for f in ROOT.glob(f"src/**/*.{end}"))
+    tally.add(check("clang_format", ["clang-format", "--dry-run", "--Werror", *cpp]))
+    return tally
+
+
+def install_space() -> Tally:
+    """`cmake --install` into a fresh folder, then one docking from there with nothing of the build sourced."""
+    return check("install_space", ["bash", "test/install_space.sh", str(ROOT), str(OUTPUT / "install")])
+
+
+STAGES: dict[str, Callable[[], Tally]] = {
+    "lint": lint,
+    "gtest": gtests,
+    "pytest": pytests,
+    "install": install_space,
+    "rostest": rostests,
+}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="seater test", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)  # fmt: skip
+    parser.add_argument("--only", nargs="+", choices=list(STAGES), help="only these stages")
+    parser.add_argument("--rostest", nargs="+", metavar="NAME", help="only these files of test/launch, e.g. cancel")
+    options = parser.parse_args()
+    OUTPUT.mkdir(parents=True, exist_ok=True)
+    total = Tally()
+    if options.rostest:
+        for name in options.rostest:
+            total.add(rostest(ROOT / "test" / "launch" / f"{name}.test"))
+    else:
+        for name in options.only or STAGES:
+            started = time.monotonic()
+            print(f"  {name} ...", flush=True)
+            tally = STAGES[name]()
+            print(f"  {name}: {tally} ({time.monotonic() - started:.0f} s)", flush=True)
+            total.add(tally)
+    for problem in total.problems:
+        print(f"\nFAILED {problem}")
+    print(f"\n{total}")
+    return 0 if total.failed == 0 and total.passed > 0 else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
