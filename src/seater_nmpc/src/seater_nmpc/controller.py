@@ -1,0 +1,291 @@
+"""The docking controller: vehicle pose, velocity and dock pose in, a safe velocity command out. No ROS."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seater_common.geometry import Chair, Dock
+from seater_common.se2 import compose, relative
+from seater_nmpc.geometry import Areas, dock_areas
+from seater_nmpc.limits import clamp, in_bay
+from seater_nmpc.nlp import Plan, WarmStart
+from seater_nmpc.ocp import make_problem
+from seater_nmpc.parameters import ControlParameters
+from seater_nmpc.prediction import CommandHistory, coasting_pose
+from seater_nmpc.solver import Solution, Solver, SolveStatus, make_solver
+
+Array = NDArray[np.float64]
+Target = str | Sequence[float]
+
+_SPEED_MISMATCH = (
+    0.05  # [m/s, rad/s] by which the measured speed may differ from the commanded one beside what lag explains
+)
+_RESTART_AFTER = 3  # failed solves in a row after which the warm start is thrown away
+
+
+class Status(IntEnum):
+    """Where a command comes from; the numbers of seater_msgs/ControllerStatus."""
+
+    SOLVED = 0
+    TIME_LIMIT = 1
+    FALLBACK_SHIFTED = 2
+    FALLBACK_BRAKE = 3
+    IDLE = 4
+
+
+@dataclass(frozen=True)
+class Command:
+    """What the chair is asked for, and how it came about."""
+
+    v: float  # [m/s]
+    omega: float  # [rad/s]
+    status: Status = Status.IDLE
+    solver: str = ""
+    text: str = ""
+    solve_time: float = 0.0  # wall time [s]
+    iterations: int = 0
+    cost: float = 0.0
+    constraint_violation: float = 0.0  # largest violation in the plan [m or m/s]
+    path: Array = field(default_factory=lambda: np.zeros((0, 3)))  # planned poses (N + 1, 3) in the common frame
+
+
+@dataclass
+class Counters:
+    """How often what happened since the start of the program."""
+
+    cycles: int = 0
+    refused_inputs: int = 0  # non-finite
+    time_limits: int = 0
+    shifted: int = 0
+    braked: int = 0
+    consecutive_failures: int = 0  # cycles in a row that needed a fallback
+
+
+class DockingController:
+    """Drives the chair to the dock, or to another pose that is given in the dock's frame.
+
+    Poses are (x, y, heading) in any one common frame (odom, say). The whole use, without ROS:
+
+        from seater_common.geometry import Chair, Dock
+        from seater_common.se2 import arc_step
+        from seater_nmpc.controller import DockingController
+
+        controller = DockingController(Chair(), Dock())
+        pose, velocity, dock_pose, period = [-2.5, 0.8, -0.35], (0.0, 0.0), [0.0, 0.0, 0.0], 0.05
+        for cycle in range(300):
+            command = controller.command(pose, velocity, dock_pose)
+            velocity = (command.v, command.omega)
+            pose = arc_step(pose, *velocity, period)  # here your chair drives
+        print(pose)  # at the dock, a hundredth of a millimetre away
+
+    Whatever comes in, the command is finite and within the chair's limits of speed and acceleration. Without a usable
+    solution the last plan is followed for a short time (`fallback/max_plan_age`), then the chair brakes and stands.
+    """
+
+    def __init__(
+        self,
+        chair: Chair,
+        dock: Dock,
+        parameters: ControlParameters | None = None,
+        *,
+        deterministic: bool = False,
+        solver: Solver | None = None,
+    ) -> None:
+        """`deterministic`: no wall-time limit, so that a slow machine decides the same. `solver` replaces the named one."""
+        self._chair, self._dock = chair, dock
+        self.parameters = parameters or ControlParameters()
+        self._areas = dock_areas(dock) if self.parameters.walls else None
+        self._problem = make_problem(chair, self.parameters, self._areas)
+        self._solver = solver or make_solver(self._problem.functions, self.parameters)
+        ipopt = self.parameters.ipopt
+        self._limit = None if deterministic else ipopt.max_wall_time
+        self._cold_limit = None if deterministic else ipopt.max_wall_time_cold
+        self._solver.prepare([self._limit, self._cold_limit])
+        self._history = CommandHistory(self.parameters.prediction)
+        self.counters = Counters()
+        self._clock = 0.0
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget plan and commands, as at the beginning of a goal."""
+        self._history.clear()
+        self._start: WarmStart | None = None
+        self._unfinished: WarmStart | None = None
+        self._plan: Plan | None = None
+        self._plan_stamp = 0.0
+        self._plan_target = np.zeros(3)
+        self._heading = 0.0
+        self.counters.consecutive_failures = 0
+
+    def reset_commands(self) -> None:
+        """Forget the commands but keep the plan: the next plan begins with the measured speed."""
+        self._history.clear()
+
+    def warm_up(self) -> None:
+        """Solve once cold and once warm, so that no cycle pays for loading the solver."""
+        for _ in range(2):
+            self.command([self._dock.predock_x, 0.0, 0.0], (0.0, 0.0), [0.0, 0.0, 0.0])
+        self.reset()
+        self.counters = Counters()
+
+    def command(
+        self,
+        vehicle_pose: ArrayLike,
+        velocity: tuple[float, float],
+        dock_pose: ArrayLike,
+        target: Target = "dock",
+        stamp: float | None = None,
+    ) -> Command:
+        """The command for this control cycle.
+
+        Args:
+            vehicle_pose: base_link, (x [m], y [m], heading [rad]) in the common frame, at `stamp`.
+            velocity: measured (v [m/s], omega [rad/s]).
+            dock_pose: the dock's frame in the common frame.
+            target: `dock`, `predock`, or a pose (x, y, heading) in the dock's frame.
+            stamp: time of the vehicle pose [s]; without it, one control period after the last call.
+        """
+        stamp = self._clock + self.parameters.control_period if stamp is None else stamp
+        numbers = [*np.ravel(vehicle_pose), *velocity, *np.ravel(dock_pose), stamp]
+        self.counters.cycles += 1
+        if not all(math.isfinite(value) for value in numbers):
+            self.counters.refused_inputs += 1
+            return self._fall_back(self._clock, None, "input not finite")
+        self._clock = stamp
+        T_dock_target = self._target(target)
+        pose, v, omega = self._history.roll(stamp, vehicle_pose, *velocity)
+        before = self._speeds_before(v, omega)
+        T_dock_base = relative(dock_pose, pose)
+        ahead = coasting_pose(pose, v, omega, self.parameters.prediction.motor_lag)
+        state = np.concatenate([relative(compose(dock_pose, T_dock_target), ahead), before])
+        areas = None if self._areas is None else self._areas.in_frame(T_dock_target)
+        solution = self._solve(state, areas, stamp, T_dock_target)
+        slow = self._areas is not None and in_bay(self._chair, self._dock.bay, T_dock_base)
+        if not self._usable(solution):
+            return self._fall_back(stamp, solution, solution.text, slow)
+        return self._follow(solution, stamp, compose(dock_pose, T_dock_target), before, slow)
+
+    def _target(self, target: Target) -> Array:
+        if isinstance(target, str):
+            named = {"dock": [0.0, 0.0, 0.0], "predock": [self._dock.predock_x, 0.0, 0.0]}
+            if target not in named:
+                raise ValueError(f"target: is {target!r}, must be one of {', '.join(named)} or a pose")
+            return np.array(named[target])
+        return np.asarray(target, dtype=float)
+
+    def _speeds_before(self, v: float, omega: float) -> tuple[float, float]:
+        """Speeds that the plan begins with: the last command, unless the chair plainly does not follow it."""
+        last = self._history.last
+        if last is None:
+            return v, omega
+        limits, prediction = self._chair.limits, self.parameters.prediction
+        window = prediction.motor_lag + prediction.command_delay + 2.0 * self.parameters.control_period
+        result = []
+        for sent, measured, rate in zip(last, (v, omega), (limits.a_max, limits.alpha_max), strict=True):
+            reach = rate * window + _SPEED_MISMATCH
+            result.append(min(max(sent, measured - reach), measured + reach))
+        return result[0], result[1]
+
+    def _solve(self, state: Array, areas: Areas | None, stamp: float, T_dock_target: Array) -> Solution:
+        turns = round((self._heading - state[2]) / (2.0 * math.pi))
+        if abs(state[2] + 2.0 * math.pi * turns) <= math.pi + 0.3:  # no flipping between half a turn left and right
+            state[2] += 2.0 * math.pi * turns
+        self._heading = float(state[2])
+        cold = self._start is None
+        start = self._warm_start(areas, stamp, T_dock_target)
+        if start is None:
+            states = np.repeat(state[None, :], self.parameters.horizon + 1, axis=0)
+            states[:, 3:] = 0.0
+            start = WarmStart(self._problem.guess(states, areas))
+        limit = self._cold_limit if cold else self._limit
+        solution = self._solver.solve(self._problem.data(state, areas), start, limit)
+        if self._usable(solution):
+            self._unfinished = None
+            self._start, self._plan = solution.warm_start(), self._problem.plan(solution.x)
+            self._plan_stamp, self._plan_target = stamp, T_dock_target
+        else:
+            self._resume(solution)
+        return solution
+
+    def _resume(self, solution: Solution) -> None:
+        """After a stopped solve the next one goes on from where it got to; after several, it starts anew."""
+        if solution.status is SolveStatus.LIMIT and self.counters.consecutive_failures + 1 < _RESTART_AFTER:
+            self._unfinished = solution.warm_start()
+        else:
+            self._unfinished = None
+        if self.counters.consecutive_failures + 1 >= _RESTART_AFTER:
+            self._start = None
+
+    def _warm_start(self, areas: Areas | None, stamp: float, T_dock_target: Array) -> WarmStart | None:
+        """The last plan, moved on in time and seen from the present target, with the multipliers that it had."""
+        if self._unfinished is not None:
+            return self._unfinished
+        if self._start is None or self._plan is None:
+            return None
+        states = self._plan.shifted(max(0.0, stamp - self._plan_stamp))
+        if not np.array_equal(T_dock_target, self._plan_target):
+            change = relative(T_dock_target, self._plan_target)
+            heading = states[:, 2] + change[2]
+            states[:, :3] = [compose(change, pose) for pose in states[:, :3]]
+            states[:, 2] = heading
+        return WarmStart(self._problem.guess(states, areas, self._start.x), self._start.lam_x, self._start.lam_g)
+
+    def _usable(self, solution: Solution) -> bool:
+        if solution.status is SolveStatus.SOLVED:
+            return True
+        return solution.status is SolveStatus.LIMIT and solution.gap <= self.parameters.fallback.feasibility
+
+    def _follow(
+        self, solution: Solution, stamp: float, target: Array, before: tuple[float, float], slow: bool
+    ) -> Command:
+        plan = self._problem.plan(solution.x)
+        v, omega = plan.speeds_at(0.0 if plan.speeds_held else self.parameters.control_period)
+        v, omega = clamp(self._chair, v, omega, before, self.parameters.control_period, slow)
+        self._history.sent(stamp, v, omega)
+        self.counters.consecutive_failures = 0
+        status = Status.SOLVED
+        if solution.status is SolveStatus.LIMIT:
+            self.counters.time_limits += 1
+            status = Status.TIME_LIMIT
+        return Command(
+            v,
+            omega,
+            status,
+            self._solver.name,
+            solution.text,
+            solution.solve_time,
+            solution.iterations,
+            solution.cost,
+            plan.violation,
+            np.array([compose(target, pose) for pose in plan.states[:, :3]]),
+        )
+
+    def _fall_back(self, stamp: float, solution: Solution | None, text: str, slow: bool = False) -> Command:
+        """The last plan followed further, else braking with the curvature kept, which ends in standing."""
+        self.counters.consecutive_failures += 1
+        before, period = self._history.last or (0.0, 0.0), self.parameters.control_period
+        age = stamp - self._plan_stamp
+        if solution is not None and self._plan is not None and age <= self.parameters.fallback.max_plan_age + 1e-9:
+            status, (v, omega) = Status.FALLBACK_SHIFTED, self._plan.speeds_at(age + period)
+            self.counters.shifted += 1
+        else:
+            status, (v, omega) = Status.FALLBACK_BRAKE, _braked(before, self._chair.limits.a_max * period)
+            self.counters.braked += 1
+        v, omega = clamp(self._chair, v, omega, before, period, slow)
+        self._history.sent(stamp, v, omega)
+        time, iterations = (0.0, 0) if solution is None else (solution.solve_time, solution.iterations)
+        return Command(v, omega, status, self._solver.name, text, time, iterations)
+
+
+def _braked(before: tuple[float, float], change: float) -> tuple[float, float]:
+    v, omega = before
+    if abs(v) <= change:
+        return 0.0, 0.0
+    slower = v - math.copysign(change, v)
+    return slower, omega * slower / v

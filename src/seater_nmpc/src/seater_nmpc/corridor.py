@@ -1,0 +1,31 @@
+"""The corridor that leads into the bay: narrow at the gate, wider ahead of it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_common.geometry import Chair, Dock
+from seater_nmpc.parameters import SequenceParameters
+
+Array = NDArray[np.float64]
+
+
+class Corridor:
+    """Decides when the final straight may begin and when the bay was missed; poses are base_link in the dock's frame."""
+
+    def __init__(self, chair: Chair, dock: Dock, parameters: SequenceParameters) -> None:
+        self._parameters = parameters
+        self._gate_x = dock.bay.entrance_x - parameters.gate_distance - chair.length_front
+
+    def contains(self, pose: Array) -> bool:
+        """Whether lateral and heading error are small enough at this distance from the gate."""
+        p = self._parameters
+        ahead = max(0.0, self._gate_x - float(pose[0]))
+        lateral = p.corridor_half_width + p.corridor_slope * ahead
+        heading = p.corridor_heading + p.corridor_heading_slope * ahead
+        return abs(float(pose[1])) <= lateral and abs(float(pose[2])) <= heading
+
+    def missed(self, pose: Array) -> bool:
+        """Whether the chair is past the gate and outside the corridor."""
+        return float(pose[0]) > self._gate_x and not self.contains(pose)

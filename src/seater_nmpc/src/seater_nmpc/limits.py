@@ -1,0 +1,34 @@
+"""The last look at a command before it leaves: speed, acceleration, and the bay's speed limit."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from seater_common.geometry import Bay, Chair
+
+
+def in_bay(chair: Chair, bay: Bay, T_dock_base: ArrayLike) -> bool:
+    """Whether the footprint reaches past the line on which the side walls begin."""
+    return bool(np.max(chair.corners_at(T_dock_base)[:, 0]) > bay.entrance_x)
+
+
+def clamp(
+    chair: Chair, v: float, omega: float, before: tuple[float, float], period: float, slow: bool
+) -> tuple[float, float]:
+    """Speeds within the limits and reachable from `before` within `period` [s]; zero speed asked for when not finite.
+
+    `slow`: the bay's limit holds. Where it and the acceleration limit exclude each other, the acceleration limit wins: the
+    chair brakes as hard as it may.
+    """
+    limits = chair.limits
+    v, omega = (value if math.isfinite(value) else 0.0 for value in (v, omega))
+    forward = min(limits.v_max, limits.v_bay_max) if slow else limits.v_max
+    backward = min(limits.v_reverse_max, limits.v_bay_max) if slow else limits.v_reverse_max
+    v = min(max(v, -backward), forward)
+    omega = min(max(omega, -limits.omega_max), limits.omega_max)
+    v = min(max(v, before[0] - limits.a_max * period), before[0] + limits.a_max * period)
+    omega = min(max(omega, before[1] - limits.alpha_max * period), before[1] + limits.alpha_max * period)
+    return v, omega

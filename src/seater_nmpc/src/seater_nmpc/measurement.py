@@ -1,0 +1,90 @@
+"""From a dock pose in the camera's optical frame to a planar measurement of the dock in odom, with its covariance."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seater_common.geometry import planar_pose
+from seater_common.se2 import compose, wrap_angle
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """One possible pose of the dock, from one picture (seater_msgs/DockObservation)."""
+
+    T_optical_dock: Array  # 4x4
+    covariance: Array  # 6x6: x, y, z [m], rotation about x, y, z of the optical frame [rad]
+    weight: float = 1.0  # probability among those of the same picture
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """The dock in some planar frame: (x, y, heading) and its covariance (3, 3)."""
+
+    pose: Array
+    covariance: Array
+    weight: float = 1.0
+
+
+@dataclass(frozen=True)
+class Planar:
+    """A hypothesis laid on the floor: the dock in base_link, and what a dock on the floor cannot have."""
+
+    measurement: Measurement
+    tilt: float  # angle between the dock's z axis and the vertical [rad]
+    height: float  # of the dock's origin above the floor [m]
+
+
+def project(T_base_optical: Array, hypothesis: Hypothesis) -> Planar | None:
+    """The hypothesis in base_link's plane; None when it is not finite or its covariance is not positive."""
+    T, P = np.asarray(hypothesis.T_optical_dock, float), np.asarray(hypothesis.covariance, float)
+    if not (np.all(np.isfinite(T)) and np.all(np.isfinite(P)) and math.isfinite(hypothesis.weight)):
+        return None
+    T_base_dock = T_base_optical @ T
+    rotation = np.kron(np.eye(2), T_base_optical[:3, :3])
+    planar = (rotation @ P @ rotation.T)[np.ix_([0, 1, 5], [0, 1, 5])]
+    planar = 0.5 * (planar + planar.T)
+    if np.min(np.linalg.eigvalsh(planar)) <= 0.0 or hypothesis.weight <= 0.0:
+        return None
+    tilt = math.acos(min(1.0, max(-1.0, float(T_base_dock[2, 2]))))
+    measurement = Measurement(planar_pose(T_base_dock), planar, hypothesis.weight)
+    return Planar(measurement, tilt, float(T_base_dock[2, 3]))
+
+
+def in_frame(T_odom_base: ArrayLike, measurement: Measurement) -> Measurement:
+    """A measurement given in base_link, in odom."""
+    pose = compose(T_odom_base, measurement.pose)
+    c, s = math.cos(float(np.asarray(T_odom_base)[2])), math.sin(float(np.asarray(T_odom_base)[2]))
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return Measurement(pose, turn @ measurement.covariance @ turn.T, measurement.weight)
+
+
+def difference(a: ArrayLike, b: ArrayLike) -> Array:
+    """a - b of two poses in one frame, the heading wrapped."""
+    result = np.asarray(a, float) - np.asarray(b, float)
+    result[2] = wrap_angle(float(result[2]))
+    return result
+
+
+def distance(a: ArrayLike, b: ArrayLike, covariance: Array) -> float:
+    """Squared Mahalanobis distance."""
+    residual = difference(a, b)
+    return float(residual @ np.linalg.solve(covariance, residual))
+
+
+def combine(measurements: list[Measurement]) -> Measurement:
+    """The mean weighted by information, with the covariance that independent measurements give."""
+    reference, information, vector = measurements[0].pose, np.zeros((3, 3)), np.zeros(3)
+    for measurement in measurements:
+        weight = np.linalg.inv(measurement.covariance)
+        information += weight
+        vector += weight @ difference(measurement.pose, reference)
+    covariance = np.linalg.inv(information)
+    mean = reference + covariance @ vector
+    return Measurement(np.array([mean[0], mean[1], wrap_angle(float(mean[2]))]), 0.5 * (covariance + covariance.T))

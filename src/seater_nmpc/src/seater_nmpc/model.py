@@ -1,0 +1,58 @@
+"""The chair as a unicycle, in CasADi: the paper's Euler step and an exact arc step.
+
+Units: m, rad, s. A pose is (x, y, theta) of base_link in the frame of the problem (the target's). The augmented state is
+z = (x, y, theta, v, omega), where v and omega are the speeds that the chair was last asked for, and the input is
+u = (dv/dt, domega/dt), so that acceleration limits are plain bounds on u.
+"""
+
+from __future__ import annotations
+
+import math
+
+import casadi as ca
+
+STATE_SIZE = 5
+INPUT_SIZE = 2
+
+# sin(a)/a = sum (-1)^n a^(2n) / (2n+1)!; ten terms leave 1e-17 at |a| = 1 and 3e-14 at |a| = pi/2.
+_SINC_COEFFICIENTS = [(-1.0) ** n / math.factorial(2 * n + 1) for n in range(10)]
+SINC_RANGE = 1.0  # [rad] half the turn of one step up to which the series is exact to machine precision
+
+
+def sinc(a: ca.SX) -> ca.SX:
+    """sin(a)/a, smooth at a = 0, exact to machine precision for |a| <= SINC_RANGE (power series, Horner's scheme)."""
+    square = a * a
+    result = ca.SX(_SINC_COEFFICIENTS[-1])
+    for coefficient in reversed(_SINC_COEFFICIENTS[:-1]):
+        result = result * square + coefficient
+    return result
+
+
+def euler_pose_step(pose: ca.SX, v: ca.SX, omega: ca.SX, step: float) -> ca.SX:
+    """The paper's model (design, section 5): x_{k+1} = x_k + dt [v cos phi, v sin phi, omega]; shape (3,)."""
+    return pose + step * ca.vertcat(v * ca.cos(pose[2]), v * ca.sin(pose[2]), omega)
+
+
+def arc_pose_step(pose: ca.SX, v: ca.SX, omega: ca.SX, step: float) -> ca.SX:
+    """Exact pose after constant v and omega: the chord of a circle; shape (3,)."""
+    half = 0.5 * step * omega
+    chord = step * v * sinc(half)
+    direction = pose[2] + half
+    return pose + ca.vertcat(chord * ca.cos(direction), chord * ca.sin(direction), 2.0 * half)
+
+
+def augmented_step(z: ca.SX, u: ca.SX, step: float, integrator: str) -> ca.SX:
+    """Next augmented state, shape (5,), under constant accelerations u.
+
+    `arc` drives the arc of the mean speeds of the step, which is exact for constant speeds and of second order for
+    changing ones; `euler` is the paper's step with the speeds at its beginning.
+    """
+    speeds = z[3:] + step * u
+    if integrator == "euler":
+        pose = euler_pose_step(z[:3], z[3], z[4], step)
+    elif integrator == "arc":
+        mean = z[3:] + 0.5 * step * u
+        pose = arc_pose_step(z[:3], mean[0], mean[1], step)
+    else:
+        raise ValueError(f"integrator: is {integrator!r}, must be one of arc, euler")
+    return ca.vertcat(pose, speeds)

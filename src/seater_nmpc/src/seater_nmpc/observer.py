@@ -1,0 +1,210 @@
+"""The state observer: the dock's pose in odom, from marker measurements at image time and buffered odometry.
+
+A Kalman filter of three states. The dock stands still; what moves it in odom is the drift of the odometry, so the
+process noise counts metres and radians, not seconds. A measurement passes the gate or it is not used; nothing is
+smoothed before that.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter, deque
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seater_common.geometry import CameraMount
+from seater_common.se2 import wrap_angle
+from seater_nmpc.measurement import Hypothesis, Measurement, combine, difference, distance, in_frame, project
+from seater_nmpc.odometry import Instant, Odometry, OdometryBuffer
+from seater_nmpc.parameters import ObserverParameters
+
+Array = NDArray[np.float64]
+
+
+class Outcome(Enum):
+    """What became of the detections of one picture."""
+
+    EMPTY = "empty"  # no dock in the picture
+    INVALID = "invalid"  # not finite, or no dock that stands on a floor
+    NO_ODOMETRY = "no odometry"  # none for the time of the picture
+    ACQUIRING = "acquiring"
+    ACQUIRED = "acquired"
+    FUSED = "fused"
+    REJECTED = "rejected"
+    REACQUIRED = "reacquired"
+
+
+@dataclass(frozen=True)
+class DockEstimate:
+    """The dock in odom at one time."""
+
+    pose: Array  # (3,)
+    covariance: Array  # (3, 3)
+    age: float  # since the picture behind it was taken [s]
+    blind_distance: float  # driven since then [m]
+
+
+@dataclass(frozen=True)
+class _State:
+    """The filter just after a measurement, and the measurement (to be applied again after a late one)."""
+
+    instant: Instant
+    pose: Array
+    covariance: Array
+    measurement: Measurement
+
+
+class DockObserver:
+    """Where the dock is, how old and how certain the answer is."""
+
+    def __init__(
+        self, mount: CameraMount, parameters: ObserverParameters | None = None, *, standing: bool = True
+    ) -> None:
+        """`standing`: the first estimate is made only while the chair stands."""
+        self._T_base_optical = mount.T_base_optical()
+        self._parameters = parameters or ObserverParameters()
+        self._standing = standing
+        self.odometry = OdometryBuffer(self._parameters.buffer_duration, self._parameters.max_extrapolation)
+        self.counts: Counter[Outcome] = Counter()
+        self.refused_odometry = 0
+        self.reset()
+
+    def reset(self, prior: ArrayLike | None = None, prior_radius: float = 1.0) -> None:
+        """Forget the dock. `prior`: rough pose in odom; only measurements within `prior_radius` [m] of it acquire."""
+        self._prior = None if prior is None else np.asarray(prior, dtype=float)
+        self._prior_radius = prior_radius
+        self._states: deque[_State] = deque()
+        self._candidates: deque[tuple[float, Measurement]] = deque(maxlen=self._parameters.acquire_count)
+        self._rejected: deque[tuple[float, Measurement]] = deque(maxlen=self._parameters.reacquire_count)
+
+    def add_odometry(self, odometry: Odometry) -> bool:
+        """Take an odometry message; false when it is refused (not finite, not newer)."""
+        taken = self.odometry.add(odometry)
+        self.refused_odometry += not taken
+        return taken
+
+    def add_detections(self, stamp: float, hypotheses: list[Hypothesis]) -> Outcome:
+        """Take what one picture, taken at `stamp`, says about the dock."""
+        outcome = self._take(stamp, hypotheses)
+        self.counts[outcome] += 1
+        return outcome
+
+    def estimate(self, stamp: float | None = None) -> DockEstimate | None:
+        """The dock at `stamp` (default: that of the newest odometry); None before it was found or without odometry."""
+        now = self.odometry.newest if stamp is None else self.odometry.at(stamp)
+        if not self._states or now is None:
+            return None
+        last = self._states[-1]
+        covariance = last.covariance + self._drift(last, now)
+        blind = max(0.0, now.driven - last.instant.driven)
+        return DockEstimate(last.pose, covariance, max(0.0, now.stamp - last.instant.stamp), blind)
+
+    def measurements_since(self, stamp: float) -> list[Measurement]:
+        """Measurements of the dock in odom that were used, of pictures taken at or after `stamp`."""
+        return [state.measurement for state in self._states if state.instant.stamp >= stamp]
+
+    def _take(self, stamp: float, hypotheses: list[Hypothesis]) -> Outcome:
+        if not hypotheses:
+            return Outcome.EMPTY
+        chair = self.odometry.at(stamp)
+        if chair is None:
+            return Outcome.NO_ODOMETRY
+        offered = self._offered(chair, hypotheses)
+        if not offered:
+            return Outcome.INVALID
+        if not self._states:
+            return self._acquire(chair, offered)
+        return self._fuse(chair, offered)
+
+    def _offered(self, chair: Instant, hypotheses: list[Hypothesis]) -> list[Measurement]:
+        """The hypotheses that can be a dock on the floor, in odom, with the floor of the measurement noise added."""
+        p, result = self._parameters, []
+        noise = np.diag([p.measurement_position**2, p.measurement_position**2, p.measurement_heading**2])
+        for hypothesis in hypotheses:
+            planar = project(self._T_base_optical, hypothesis)
+            if planar is None or planar.tilt > p.max_tilt or abs(planar.height) > p.max_height:
+                continue
+            found = in_frame(chair.pose, planar.measurement)
+            result.append(Measurement(found.pose, found.covariance + noise, found.weight))
+        return result
+
+    def _acquire(self, chair: Instant, offered: list[Measurement]) -> Outcome:
+        if self._prior is not None:
+            offered = [m for m in offered if math.dist(m.pose[:2], self._prior[:2]) <= self._prior_radius]
+        moving = max(abs(chair.v), abs(chair.omega)) > self._parameters.acquire_speed
+        if not offered or (self._standing and moving):
+            self._candidates.clear()
+            return Outcome.ACQUIRING
+        best = max(offered, key=lambda measurement: measurement.weight)
+        self._candidates.append((chair.stamp, best))
+        if not self._agree(self._candidates):
+            return Outcome.ACQUIRING
+        self._begin(chair, self._candidates)
+        return Outcome.ACQUIRED
+
+    def _agree(self, found: deque[tuple[float, Measurement]]) -> bool:
+        """Whether there are enough measurements, and each is within the gate of their mean."""
+        if len(found) < (found.maxlen or 1):
+            return False
+        mean = combine([measurement for _, measurement in found])
+        return all(distance(m.pose, mean.pose, m.covariance) <= self._parameters.gate for _, m in found)
+
+    def _begin(self, chair: Instant, found: deque[tuple[float, Measurement]]) -> None:
+        mean = combine([measurement for _, measurement in found])
+        self._states.clear()
+        self._states.append(_State(chair, mean.pose, mean.covariance, mean))
+        self._candidates.clear()
+        self._rejected.clear()
+
+    def _fuse(self, chair: Instant, offered: list[Measurement]) -> Outcome:
+        later = [state for state in self._states if state.instant.stamp > chair.stamp]
+        if len(later) == len(self._states):
+            return Outcome.NO_ODOMETRY  # older than everything that is kept
+        before = self._states[len(self._states) - len(later) - 1]
+        predicted = before.covariance + self._drift(before, chair)
+        score, best = min(
+            ((distance(m.pose, before.pose, predicted + m.covariance) - 2.0 * math.log(m.weight), m) for m in offered),
+            key=lambda scored: scored[0],
+        )
+        if score + 2.0 * math.log(best.weight) > self._parameters.gate:
+            return self._reject(chair, offered)
+        self._rejected.clear()
+        for _ in later:
+            self._states.pop()
+        self._update(chair, best)
+        for state in later:
+            self._update(state.instant, state.measurement)
+        while len(self._states) > 1 and self._states[0].instant.stamp < chair.stamp - self._parameters.buffer_duration:
+            self._states.popleft()
+        return Outcome.FUSED
+
+    def _update(self, chair: Instant, measurement: Measurement) -> None:
+        last = self._states[-1]
+        P = last.covariance + self._drift(last, chair)
+        S = P + measurement.covariance
+        gain = np.linalg.solve(S, P).T
+        pose = last.pose + gain @ difference(measurement.pose, last.pose)
+        pose[2] = wrap_angle(float(pose[2]))
+        keep = np.eye(3) - gain
+        covariance = keep @ P @ keep.T + gain @ measurement.covariance @ gain.T  # Joseph's form stays symmetric
+        self._states.append(_State(chair, pose, covariance, measurement))
+
+    def _reject(self, chair: Instant, offered: list[Measurement]) -> Outcome:
+        self._rejected.append((chair.stamp, max(offered, key=lambda measurement: measurement.weight)))
+        if not self._agree(self._rejected):
+            return Outcome.REJECTED
+        self._begin(chair, self._rejected)
+        return Outcome.REACQUIRED
+
+    def _drift(self, last: _State, now: Instant) -> Array:
+        """Covariance that the odometry's drift adds between two times; a heading error swings the dock round the chair."""
+        p = self._parameters
+        driven, turned = abs(now.driven - last.instant.driven), abs(now.turned - last.instant.turned)
+        heading = p.drift_heading_distance**2 * driven + p.drift_heading_turn**2 * turned
+        arm = last.pose[:2] - now.pose[:2]
+        swing = np.array([-arm[1], arm[0], 1.0])
+        position = p.drift_position**2 * driven
+        return np.diag([position, position, 0.0]) + heading * np.outer(swing, swing)

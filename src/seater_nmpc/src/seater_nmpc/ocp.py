@@ -1,0 +1,200 @@
+"""The optimal control problems of docking by multiple shooting, in the target's frame (formulas: docs/controller.md).
+
+The target is the origin, so the heading is wrapped once, by the caller, and nothing wraps or kinks inside (but F2 of the
+paper's formulation, which is taken as it is).
+"""
+
+from __future__ import annotations
+
+import math
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_common.geometry import Chair
+from seater_nmpc.constraints import AreaConstraints
+from seater_nmpc.geometry import Areas
+from seater_nmpc.model import augmented_step, euler_pose_step
+from seater_nmpc.nlp import Plan, ProblemData, StageProgramme
+from seater_nmpc.parameters import ControlParameters
+
+Array = NDArray[np.float64]
+
+_REVERSE_WIDTH = 0.02  # [m/s] over which the price of driving backward sets in
+
+
+class Problem:
+    """What the formulations share; a subclass puts the programme together in `_build`.
+
+    `functions` is the programme for a solver. The trajectory handed in and out has rows (x, y, theta, v, omega).
+    """
+
+    speeds_held = False  # whether the speeds of a row hold until the next one (else they change linearly)
+
+    def __init__(self, chair: Chair, parameters: ControlParameters, areas: Areas | None) -> None:
+        """`areas` fixes how many prohibited areas there are (None: free space), not where they are."""
+        self._chair, self._parameters = chair, parameters
+        self._N, self._h = parameters.horizon, parameters.step
+        self._z: list[slice] = []
+        self._u: list[slice] = []
+        programme = StageProgramme()
+        self._areas = None if areas is None else AreaConstraints(chair, parameters, programme, areas)
+        self._build(programme)
+        self.functions = programme.functions()
+        self._lower, self._upper = np.array(programme.lower), np.array(programme.upper)
+        self._g_lower, self._g_upper = np.array(programme.g_lower), np.array(programme.g_upper)
+        self._parameter_size = programme.parameter_size
+
+    def data(self, state: Array, areas: Areas | None) -> ProblemData:
+        """The instance for the initial state (x, y, theta, v, omega) and the areas, all in the target's frame."""
+        lower, upper = self._lower.copy(), self._upper.copy()
+        lower[self._z[0]] = upper[self._z[0]] = self._initial(state)
+        p = np.zeros(self._parameter_size)
+        if self._areas is not None and areas is not None:
+            self._areas.set_instance(areas, p, lower, upper)
+        return ProblemData(p, lower, upper, self._g_lower, self._g_upper)
+
+    def guess(self, states: Array, areas: Areas | None, old: Array | None = None) -> Array:
+        """Variables for a trajectory (N + 1, 5); what it does not give is taken from the variables `old` if present."""
+        x = np.zeros(self._lower.size)
+        self._write_trajectory(states, x)
+        if self._areas is not None and areas is not None:
+            if old is None:
+                self._areas.guess(areas, states, x)
+            else:
+                self._areas.carry_over(old, x)
+        return x
+
+    def plan(self, x: Array) -> Plan:
+        """The trajectory in the variables x."""
+        violation = 0.0 if self._areas is None else self._areas.violation(x)
+        return Plan(self._h * np.arange(self._N + 1), self._read_trajectory(x), violation, self.speeds_held)
+
+    def _within_speed_limits(self, state: Array) -> Array:
+        """The state with speeds inside the bounds, so that the problem is never infeasible from its first stage on."""
+        limits, z = self._chair.limits, np.array(state, dtype=float)
+        z[3] = np.clip(z[3], -limits.v_reverse_max, limits.v_max)
+        z[4] = np.clip(z[4], -limits.omega_max, limits.omega_max)
+        return z
+
+    def _speed_bounds(self) -> tuple[list[float], list[float]]:
+        limits = self._chair.limits
+        return [-limits.v_reverse_max, -limits.omega_max], [limits.v_max, limits.omega_max]
+
+    def _build(self, programme: StageProgramme) -> None:
+        raise NotImplementedError
+
+    def _initial(self, state: Array) -> Array:
+        raise NotImplementedError
+
+    def _write_trajectory(self, states: Array, x: Array) -> None:
+        raise NotImplementedError
+
+    def _read_trajectory(self, x: Array) -> Array:
+        raise NotImplementedError
+
+
+class DockingProblem(Problem):
+    """Quadratic stage cost, exact L1 terminal penalty, acceleration limits, soft areas against the whole footprint.
+
+    Variables in the order z0, u0, z1, areas1, u1, ..., zN, areasN, t with z = (x, y, theta, v, omega), u = (dv/dt, domega/dt).
+    """
+
+    def _build(self, programme: StageProgramme) -> None:
+        h, low, high = self._h, *self._speed_bounds()
+        low, high = [-math.inf] * 3 + low, [math.inf] * 3 + high
+        rate = [self._chair.limits.a_max, self._chair.limits.alpha_max]
+        z, where = programme.variable("z0", low, high)
+        self._z.append(where)
+        for k in range(self._N):
+            u, where = programme.variable(f"u{k}", [-r for r in rate], rate)
+            self._u.append(where)
+            programme.cost += h * self._stage_cost(z, u)
+            z_next, where = programme.variable(f"z{k + 1}", low, high)
+            self._z.append(where)
+            programme.constrain(z_next - augmented_step(z, u, h, self._parameters.integrator), 0.0, 0.0)
+            z = z_next
+            if self._areas is not None:
+                self._areas.add_stage(programme, z[:3], z[3], h)
+        self._terminal_penalty(programme, z)
+
+    def _stage_cost(self, z: ca.SX, u: ca.SX) -> ca.SX:
+        w = self._parameters.weights
+        backward = 0.5 * (ca.sqrt(z[3] ** 2 + _REVERSE_WIDTH**2) - z[3])
+        position = w.x * z[0] ** 2 + w.y * z[1] ** 2 + w.heading * z[2] ** 2
+        speed = w.speed * (z[3] ** 2 + z[4] ** 2) + w.reverse * backward**2
+        return position + speed + w.acceleration * ca.sumsqr(u)
+
+    def _terminal_penalty(self, programme: StageProgramme, z: ca.SX) -> None:
+        """wN (|x| + |y| + c |theta|) with slacks t >= |.|: exact, and smooth where the solver looks."""
+        w = self._parameters.weights
+        t, self._terminal = programme.variable("t", [0.0] * 3, [math.inf] * 3)
+        programme.constrain(t - z[:3], 0.0, math.inf)
+        programme.constrain(t + z[:3], 0.0, math.inf)
+        programme.cost += w.terminal * (t[0] + t[1] + w.terminal_heading * t[2])
+
+    def _initial(self, state: Array) -> Array:
+        return self._within_speed_limits(state)
+
+    def _write_trajectory(self, states: Array, x: Array) -> None:
+        for k, where in enumerate(self._z):
+            x[where] = states[k]
+        for k, where in enumerate(self._u):
+            x[where] = (states[k + 1, 3:] - states[k, 3:]) / self._h
+        x[self._terminal] = np.abs(states[-1, :3])
+
+    def _read_trajectory(self, x: Array) -> Array:
+        return np.array([x[where] for where in self._z])
+
+
+class PaperProblem(Problem):
+    """The paper's formulation: poses and u = (v, omega), Euler steps, F1 and F2 weighted by Q and P, inputs by R.
+
+    F2 = pi - ||phi - phi_doc| - pi|. No acceleration limits; areas (if any) as in DockingProblem.
+    """
+
+    speeds_held = True
+
+    def _build(self, programme: StageProgramme) -> None:
+        w, free = self._parameters.paper, [math.inf] * 3
+        pose, where = programme.variable("x0", [-math.inf] * 3, free)
+        self._z.append(where)
+        for k in range(self._N):
+            u, where = programme.variable(f"u{k}", *self._speed_bounds())
+            self._u.append(where)
+            programme.cost += _paper_cost(pose, w.Q_position, w.Q_heading) + w.R_v * u[0] ** 2 + w.R_omega * u[1] ** 2
+            following, where = programme.variable(f"x{k + 1}", [-math.inf] * 3, free)
+            self._z.append(where)
+            programme.constrain(following - euler_pose_step(pose, u[0], u[1], self._h), 0.0, 0.0)
+            pose = following
+            if self._areas is not None:
+                self._areas.add_stage(programme, pose, u[0], self._h)
+        programme.cost += _paper_cost(pose, w.P_position, w.P_heading)
+
+    def _initial(self, state: Array) -> Array:
+        return np.array(state[:3], dtype=float)
+
+    def _write_trajectory(self, states: Array, x: Array) -> None:
+        for k, where in enumerate(self._z):
+            x[where] = states[k, :3]
+        for k, where in enumerate(self._u):
+            x[where] = states[k, 3:]
+
+    def _read_trajectory(self, x: Array) -> Array:
+        inputs = [x[where] for where in self._u]
+        return np.array([np.concatenate([x[z], u]) for z, u in zip(self._z, [*inputs, np.zeros(2)], strict=True)])
+
+
+def _paper_cost(pose: ca.SX, position: float, heading: float) -> ca.SX:
+    F1 = ca.sumsqr(pose[:2])
+    F2 = math.pi - ca.fabs(ca.fabs(pose[2]) - math.pi)
+    return position * F1 + heading * F2
+
+
+def make_problem(chair: Chair, parameters: ControlParameters, areas: Areas | None) -> Problem:
+    """The formulation that the parameters name."""
+    makers = {"docking": DockingProblem, "paper": PaperProblem}
+    if parameters.formulation not in makers:
+        raise ValueError(f"control/formulation: is {parameters.formulation!r}, must be one of {', '.join(makers)}")
+    return makers[parameters.formulation](chair, parameters, areas)

@@ -1,0 +1,1 @@
+"""The rospy adapter of seater_nmpc: messages in, messages out, nothing else."""

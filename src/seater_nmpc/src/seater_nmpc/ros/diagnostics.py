@@ -1,0 +1,56 @@
+"""What the docking node says on /diagnostics."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import diagnostic_updater
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+
+from seater_nmpc.controller import Command, DockingController
+from seater_nmpc.observer import DockObserver
+
+
+class Diagnostics:
+    """Control rate, solve time, age of the measurement, counters; once a second."""
+
+    def __init__(self, controller: DockingController, observer: DockObserver, period: float) -> None:
+        self._controller, self._observer, self._period = controller, observer, period
+        self._solve_times: deque[float] = deque(maxlen=200)
+        self._age, self._consecutive = -1.0, 0
+        rate = {"min": 1.0 / period, "max": 1.0 / period}
+        self._updater = diagnostic_updater.Updater()
+        self._updater.setHardwareID("none")
+        self._rate = diagnostic_updater.HeaderlessTopicDiagnostic(
+            "control cycle", self._updater, diagnostic_updater.FrequencyStatusParam(rate, tolerance=0.2)
+        )
+        self._updater.add("controller", self._write)
+        self._timer = rospy.Timer(rospy.Duration(1.0), lambda _: self._updater.update(), reset=True)
+
+    def cycle(self) -> None:
+        """A control cycle began."""
+        self._rate.tick()
+
+    def report(self, command: Command, age: float) -> None:
+        """What the cycle did; `age` of the measurement behind it [s], -1: never seen."""
+        self._age, self._consecutive = age, self._controller.counters.consecutive_failures
+        if command.solve_time > 0.0:
+            self._solve_times.append(command.solve_time)
+
+    def _write(self, status: diagnostic_updater.DiagnosticStatusWrapper) -> diagnostic_updater.DiagnosticStatusWrapper:
+        if self._consecutive:
+            status.summary(DiagnosticStatus.WARN, f"{self._consecutive} cycles in a row without a solution")
+        else:
+            status.summary(DiagnosticStatus.OK, "ok")
+        times = sorted(self._solve_times)
+        if times:
+            status.add("solve time, median [ms]", f"{1e3 * times[len(times) // 2]:.1f}")
+            status.add("solve time, largest of 200 [ms]", f"{1e3 * times[-1]:.1f}")
+        status.add("measurement age [s]", f"{self._age:.2f}")
+        for name, value in vars(self._controller.counters).items():
+            status.add(f"controller: {name}", str(value))
+        for outcome, count in sorted(self._observer.counts.items(), key=lambda item: item[0].value):
+            status.add(f"pictures: {outcome.value}", str(count))
+        status.add("odometry refused", str(self._observer.refused_odometry))
+        return status

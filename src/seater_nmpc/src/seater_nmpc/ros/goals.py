@@ -1,0 +1,89 @@
+"""The actions `dock` and `undock`: at most one goal at a time, and every goal gets a result with a code."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import actionlib
+import rospy
+from actionlib_msgs.msg import GoalStatus
+
+from seater_msgs.msg import DockAction, UndockAction
+from seater_nmpc.results import Result, ResultCode, Step
+from seater_nmpc.ros import conversions
+
+
+class Goals:
+    """Both action servers. A second `dock` (or `undock`) replaces the first one; the other action meanwhile is BUSY.
+
+    Callbacks of actionlib's threads only hand over to `enqueue(kind, content)`; all else runs in the worker's thread.
+    """
+
+    def __init__(self, enqueue: Callable[[str, Any], None]) -> None:
+        self._handle: Any = None
+        self.kind = ""
+        self._servers = {}
+        for kind, action in (("dock", DockAction), ("undock", UndockAction)):
+            self._servers[kind] = actionlib.ActionServer(
+                kind,
+                action,
+                goal_cb=lambda handle, kind=kind: enqueue("goal", (kind, handle)),
+                cancel_cb=lambda handle: enqueue("cancel", handle),
+                auto_start=False,
+            )
+
+    def start(self) -> None:
+        """Advertise both actions: from now on the node is ready."""
+        for server in self._servers.values():
+            server.start()
+
+    @property
+    def active(self) -> bool:
+        """Whether a goal is being worked on."""
+        return self._handle is not None
+
+    def is_current(self, handle: Any) -> bool:
+        """Whether this is the goal that is being worked on."""
+        return self._handle is not None and self._handle == handle
+
+    def accept(self, kind: str, handle: Any) -> None:
+        """Make this the goal that is worked on."""
+        handle.set_accepted()
+        self._handle, self.kind = handle, kind
+
+    def refuse(self, kind: str, handle: Any, code: ResultCode, text: str) -> None:
+        """Answer a goal that is not worked on: rejected, or recalled where it was cancelled while waiting."""
+        recalled = handle.get_goal_status().status == GoalStatus.RECALLING
+        result = _message(kind, Result(ResultCode.CANCELED if recalled else code, text))
+        (handle.set_canceled if recalled else handle.set_rejected)(result, text)
+        rospy.logwarn("%s goal refused: %s (%s)", kind, text, code.name)
+
+    def publish(self, step: Step) -> None:
+        """Feedback of the goal, and its result when this is the last step."""
+        if self._handle is None:
+            return
+        docking = self.kind == "dock"
+        self._handle.publish_feedback(conversions.dock_feedback(step) if docking else conversions.undock_feedback(step))
+        if step.result is None:
+            return
+        result = step.result
+        message, text = _message(self.kind, result), f"{result.code.name}: {result.text}"
+        if result.code is ResultCode.CANCELED:
+            self._handle.set_canceled(message, text)
+        elif result.success:
+            self._handle.set_succeeded(message, text)
+        else:
+            self._handle.set_aborted(message, text)
+        rospy.loginfo("%s: %s", self.kind, text)
+        self._handle, self.kind = None, ""
+
+
+def valid_timeout(timeout: float) -> bool:
+    """Whether a goal's time-out can be used."""
+    return math.isfinite(timeout) and timeout >= 0.0
+
+
+def _message(kind: str, result: Result) -> Any:
+    return conversions.dock_result(result) if kind == "dock" else conversions.undock_result(result)

@@ -1,0 +1,122 @@
+"""A perfect unicycle with perfect or noisy pictures: what the tests close the loop with, without a ROS master."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+SOURCES = Path(__file__).resolve().parents[2]
+for package in ("seater_nmpc", "seater_common"):
+    sys.path.insert(0, str(SOURCES / package / "src"))
+
+from seater_common.geometry import Chair, Dock, clearance, pose_matrix  # noqa: E402
+from seater_common.se2 import arc_step, compose, inverse  # noqa: E402
+from seater_nmpc.controller import Command, DockingController  # noqa: E402
+from seater_nmpc.measurement import Hypothesis  # noqa: E402
+from seater_nmpc.observer import DockObserver  # noqa: E402
+from seater_nmpc.odometry import Odometry  # noqa: E402
+from seater_nmpc.parameters import ControlParameters  # noqa: E402
+from seater_nmpc.results import Step  # noqa: E402
+from seater_nmpc.sequence import DockingSequence  # noqa: E402
+
+T_ODOM_DOCK = np.array([1.0, 2.0, 0.7])
+NOISE = (0.002, 0.003)  # standard deviations of a picture's pose [m, rad]
+
+
+def observation(
+    chair: Chair, T_base_dock: np.ndarray, noise: tuple[float, float] = NOISE, weight: float = 1.0
+) -> Hypothesis:
+    """What perception says when it sees the dock at this pose in base_link; covariance of `noise`."""
+    T = np.linalg.inv(chair.camera.T_base_optical()) @ pose_matrix(T_base_dock)
+    return Hypothesis(T, np.diag([noise[0] ** 2] * 3 + [noise[1] ** 2] * 3), weight)
+
+
+@dataclass
+class World:
+    """The chair, its odometry and its camera, around one docking sequence."""
+
+    sequence: DockingSequence
+    chair: Chair
+    dock: Dock
+    truth: np.ndarray  # base_link in the dock's frame
+    seen: Callable[[World], bool] = lambda world: True
+    contact: Callable[[World], bool | None] = lambda world: None
+    odometry_alive: Callable[[World], bool] = lambda world: True
+    obeys: bool = True
+    now: float = 10.0
+    v: float = 0.0
+    omega: float = 0.0
+    smallest_clearance: float = np.inf
+    commands: list[Command] = field(default_factory=list)
+    phases: list[str] = field(default_factory=list)
+    noise: np.random.Generator = field(default_factory=lambda: np.random.default_rng(1))
+
+    def tick(self) -> None:
+        """10 ms: drive, odometry, a picture every 30 ms."""
+        self.now = round(self.now + 0.01, 6)
+        if self.obeys and self.commands:
+            self.v, self.omega = self.commands[-1].v, self.commands[-1].omega
+        self.truth = arc_step(self.truth, self.v, self.omega, 0.01)
+        self.smallest_clearance = min(self.smallest_clearance, clearance(self.chair, self.dock.bay, self.truth))
+        if self.odometry_alive(self):
+            self.sequence.add_odometry(Odometry(self.now, compose(T_ODOM_DOCK, self.truth), self.v, self.omega))
+            if round(self.now * 100) % 3 == 0:
+                error = self.noise.normal(size=3) * [NOISE[0], NOISE[0], NOISE[1]]
+                found = [observation(self.chair, inverse(self.truth) + error)] if self.seen(self) else []
+                self.sequence.add_detections(self.now, found)
+
+    def run(self, seconds: float, until: Callable[[Step], bool] = lambda step: False) -> Step:
+        """Control cycles every 50 ms until the goal is done, `until` holds or the time is over."""
+        step: Step | None = None
+        for _ in range(round(seconds / 0.05)):
+            for _ in range(5):
+                self.tick()
+            step = self.sequence.update(self.now, self.contact(self))
+            self.commands.append(step.command)
+            if not self.phases or self.phases[-1] != step.phase.name:
+                self.phases.append(step.phase.name)
+            if step.done or until(step):
+                break
+        assert step is not None
+        return step
+
+
+@pytest.fixture(scope="session")
+def controller() -> DockingController:
+    """The controller as it is configured by default; building it takes a quarter of a second."""
+    return DockingController(Chair(), Dock(), deterministic=True)
+
+
+@pytest.fixture(scope="session")
+def quick_controller() -> DockingController:
+    """Sees as far with half the steps: for sequences, which are not about the last millimetre."""
+    return DockingController(Chair(), Dock(), replace(ControlParameters(), horizon=15, step=0.2), deterministic=True)
+
+
+@pytest.fixture
+def make_world(quick_controller: DockingController) -> Callable[..., World]:
+    def make(start: tuple[float, float, float], require_contact: bool = False, **settings: object) -> World:
+        from seater_nmpc.parameters import SequenceParameters, Timeouts
+
+        timeouts = settings.pop("timeouts", {})
+        changes = settings.pop("sequence", {})
+        parameters = replace(SequenceParameters(), timeouts=replace(Timeouts(), **timeouts), **changes)  # type: ignore[arg-type]
+        chair, dock = Chair(), Dock()
+        quick_controller.reset()
+        observer = DockObserver(chair.camera)
+        sequence = DockingSequence(chair, dock, quick_controller, observer, parameters, require_contact=require_contact)
+        truth = np.array([start[0], start[1], np.deg2rad(start[2])])
+        return World(sequence, chair, dock, truth, **settings)  # type: ignore[arg-type]
+
+    return make
+
+
+@pytest.fixture
+def free_space() -> ControlParameters:
+    """No walls: the paper's setting."""
+    return replace(ControlParameters(), walls=False)

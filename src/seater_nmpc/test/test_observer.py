@@ -1,0 +1,199 @@
+import math
+
+import numpy as np
+import pytest
+from conftest import T_ODOM_DOCK, observation
+
+from seater_common.geometry import Chair
+from seater_common.se2 import arc_step, compose, inverse, wrap_angle
+from seater_nmpc.measurement import Hypothesis, difference
+from seater_nmpc.observer import DockObserver, Outcome
+from seater_nmpc.odometry import Odometry, OdometryBuffer
+from seater_nmpc.parameters import ObserverParameters
+
+CHAIR = Chair()
+EXACT = (1e-4, 1e-4)
+
+
+def standing(observer: DockObserver, pose, since: float, until: float) -> None:
+    for stamp in np.arange(since, until + 1e-9, 0.01):
+        observer.add_odometry(Odometry(round(stamp, 6), compose(T_ODOM_DOCK, pose), 0.0, 0.0))
+
+
+def acquired(pose=(-2.0, 0.0, 0.0), parameters=None) -> DockObserver:
+    observer = DockObserver(CHAIR.camera, parameters)
+    standing(observer, pose, 0.0, 1.0)
+    for k in range(5):
+        observer.add_detections(0.5 + 0.1 * k, [observation(CHAIR, inverse(pose))])
+    assert observer.estimate() is not None
+    return observer
+
+
+def drive(observer: DockObserver, pose, v, omega, since, seconds):
+    """Odometry every 10 ms; returns stamps and true poses in the dock's frame."""
+    track = {round(since, 6): np.array(pose)}
+    for k in range(round(seconds * 100)):
+        pose = arc_step(pose, v, omega, 0.01)
+        stamp = round(since + 0.01 * (k + 1), 6)
+        observer.add_odometry(Odometry(stamp, compose(T_ODOM_DOCK, pose), v, omega))
+        track[stamp] = pose
+    return track
+
+
+def test_camera_to_dock_in_odom() -> None:
+    observer = DockObserver(CHAIR.camera)
+    pose = np.array([-2.0, 0.5, -0.3])
+    standing(observer, pose, 0.0, 1.0)
+    outcomes = [observer.add_detections(0.2 * k + 0.1, [observation(CHAIR, inverse(pose))]) for k in range(5)]
+    assert outcomes == [Outcome.ACQUIRING] * 4 + [Outcome.ACQUIRED]
+    assert observer.estimate().pose == pytest.approx(T_ODOM_DOCK, abs=1e-9)
+
+
+def test_no_first_estimate_while_moving_or_inconsistent() -> None:
+    observer = DockObserver(CHAIR.camera)
+    track = drive(observer, np.array([-2.0, 0.0, 0.0]), 0.3, 0.0, 0.0, 1.0)
+    for stamp in list(track)[10:20]:
+        assert observer.add_detections(stamp, [observation(CHAIR, inverse(track[stamp]))]) is Outcome.ACQUIRING
+    observer = DockObserver(CHAIR.camera)
+    standing(observer, [-2.0, 0.0, 0.0], 0.0, 1.0)
+    for k in range(10):
+        shifted = inverse([-2.0, 0.1 * (k % 2), 0.0])
+        assert observer.add_detections(0.05 * k + 0.1, [observation(CHAIR, shifted)]) is Outcome.ACQUIRING
+
+
+def test_a_late_picture_of_a_moving_chair_is_fused_where_it_was_taken() -> None:
+    """0.5 m/s and 0.5 rad/s, 150 ms late: fused at arrival it would be 75 mm off; at image time it is unbiased."""
+    observer = acquired()
+    track = drive(observer, np.array([-2.0, 0.0, 0.0]), 0.5, 0.5, 1.0, 1.2)
+    for stamp in (s for s in list(track)[5:-15:3]):
+        assert observer.add_detections(stamp, [observation(CHAIR, inverse(track[stamp]), EXACT)]) is Outcome.FUSED
+    assert observer.estimate().pose == pytest.approx(T_ODOM_DOCK, abs=1e-6)
+
+
+def test_between_two_odometry_messages_it_interpolates() -> None:
+    buffer = OdometryBuffer(2.0, 0.1)
+    start = np.array([1.0, 2.0, 3.1])
+    for k in range(5):
+        buffer.add(Odometry(0.1 * k, arc_step(start, 0.5, 0.8, 0.1 * k), 0.5, 0.8))
+    assert buffer.at(0.234).pose == pytest.approx(arc_step(start, 0.5, 0.8, 0.234), abs=6e-4)
+    assert buffer.at(0.234).driven == pytest.approx(0.117, abs=1e-3)
+    assert buffer.at(0.45).pose == pytest.approx(arc_step(start, 0.5, 0.8, 0.45), abs=1e-9)
+    assert buffer.at(0.51) is None and buffer.at(-0.01) is None and buffer.at(math.nan) is None
+
+
+def test_order_of_arrival_does_not_matter() -> None:
+    rng = np.random.default_rng(3)
+    results = []
+    errors = rng.normal(size=(10, 3)) * 0.003
+    for order in (list(range(10)), [1, 0, 3, 2, 4, 7, 6, 5, 9, 8]):
+        observer = acquired()
+        track = drive(observer, np.array([-2.0, 0.0, 0.0]), 0.4, 0.2, 1.0, 1.0)
+        stamps = list(track)[5::10][:10]
+        for k in order:
+            error = inverse(track[stamps[k]]) + errors[k]
+            assert observer.add_detections(stamps[k], [observation(CHAIR, error)]) is Outcome.FUSED
+        results.append(observer.estimate())
+    assert results[0].pose == pytest.approx(results[1].pose, abs=1e-12)
+    assert results[0].covariance == pytest.approx(results[1].covariance, abs=1e-15)
+    assert results[0].age == results[1].age
+
+
+def test_an_outlier_changes_nothing_and_the_blind_distance_goes_on() -> None:
+    observer = acquired()
+    track = drive(observer, np.array([-2.0, 0.0, 0.0]), 0.5, 0.0, 1.0, 0.4)
+    before = observer.estimate()
+    wrong = inverse(list(track.values())[-1]) + [0.0, 0.15, 0.0]
+    assert observer.add_detections(1.4, [observation(CHAIR, wrong)]) is Outcome.REJECTED
+    after = observer.estimate()
+    assert np.array_equal(after.pose, before.pose)
+    assert after.blind_distance == pytest.approx(0.2, abs=1e-6) and after.age == pytest.approx(0.5)
+
+
+def test_a_dock_that_really_stands_elsewhere_is_found_again() -> None:
+    observer = acquired()
+    standing(observer, [-2.0, 0.0, 0.0], 1.01, 2.5)
+    moved = inverse([-2.0, 0.3, 0.0])
+    outcomes = [observer.add_detections(1.1 + 0.1 * k, [observation(CHAIR, moved)]) for k in range(8)]
+    assert outcomes == [Outcome.REJECTED] * 7 + [Outcome.REACQUIRED]
+    assert observer.estimate().pose == pytest.approx(compose(T_ODOM_DOCK, [0.0, -0.3, 0.0]), abs=1e-6)
+
+
+def test_of_two_hypotheses_the_one_that_passes_the_gate_is_taken() -> None:
+    observer = acquired()
+    right = observation(CHAIR, inverse([-2.0, 0.0, 0.0]), weight=0.2)
+    flipped = observation(CHAIR, inverse([-2.0, 0.0, 0.0]) + [0.0, 0.4, 0.5], weight=0.8)
+    assert observer.add_detections(1.0, [flipped, right]) is Outcome.FUSED
+    assert observer.estimate().pose == pytest.approx(T_ODOM_DOCK, abs=1e-9)
+
+
+def test_what_cannot_be_a_dock_on_the_floor_is_invalid() -> None:
+    observer = acquired()
+    good = observation(CHAIR, inverse([-2.0, 0.0, 0.0]))
+    tilt = np.eye(4)
+    tilt[:3, :3] = [[math.cos(0.6), 0, math.sin(0.6)], [0, 1, 0], [-math.sin(0.6), 0, math.cos(0.6)]]
+    bad = [
+        Hypothesis(good.T_optical_dock @ tilt, good.covariance),
+        Hypothesis(good.T_optical_dock * math.nan, good.covariance),
+        Hypothesis(good.T_optical_dock, np.zeros((6, 6))),
+        Hypothesis(good.T_optical_dock, good.covariance, math.nan),
+    ]
+    for hypothesis in bad:
+        assert observer.add_detections(1.0, [hypothesis]) is Outcome.INVALID
+    assert observer.add_detections(1.0, []) is Outcome.EMPTY
+    assert observer.add_detections(7.0, [good]) is Outcome.NO_ODOMETRY
+    assert observer.add_detections(math.nan, [good]) is Outcome.NO_ODOMETRY
+
+
+def test_covariance_grows_with_the_distance_driven_not_with_time() -> None:
+    observer = acquired()
+    before = observer.estimate()
+    standing(observer, [-2.0, 0.0, 0.0], 1.01, 1.5)
+    assert observer.estimate().covariance == pytest.approx(before.covariance)
+    drive(observer, np.array([-2.0, 0.0, 0.0]), 0.5, 0.0, 1.5, 0.5)
+    near = observer.estimate()
+    drive(observer, np.array([-1.75, 0.0, 0.0]), 0.5, 0.0, 2.0, 0.5)
+    far = observer.estimate()
+    assert np.all(np.diag(near.covariance) > np.diag(before.covariance))
+    assert np.all(np.diag(far.covariance) > np.diag(near.covariance))
+
+
+def test_odometry_that_is_not_finite_or_not_newer_is_refused_and_counted() -> None:
+    observer = acquired()
+    pose = np.array([0.0, 0.0, 0.0])
+    assert not observer.add_odometry(Odometry(1.1, pose * math.nan, 0.0, 0.0))
+    assert not observer.add_odometry(Odometry(1.1, pose, math.inf, 0.0))
+    assert not observer.add_odometry(Odometry(0.9, pose, 0.0, 0.0))
+    assert observer.refused_odometry == 3
+
+
+def test_a_prior_keeps_other_docks_out() -> None:
+    observer = DockObserver(CHAIR.camera)
+    observer.reset(prior=compose(T_ODOM_DOCK, [0.0, 3.0, 0.0]), prior_radius=1.0)
+    standing(observer, [-2.0, 0.0, 0.0], 0.0, 1.0)
+    for k in range(6):
+        observer.add_detections(0.1 + 0.1 * k, [observation(CHAIR, inverse([-2.0, 0.0, 0.0]))])
+    assert observer.estimate() is None
+
+
+def test_error_is_as_large_as_the_covariance_says() -> None:
+    """NEES over 30 approaches with drifting odometry: the mean of 30 chi-square numbers (3 dof) within its 95 % band, widened
+    for the floor that is added to the measurement noise (it makes the filter a little too careful)."""
+    p, rng, values = ObserverParameters(), np.random.default_rng(11), []
+    for _ in range(30):
+        observer, truth, odom = DockObserver(CHAIR.camera, p), np.array([-2.0, 0.2, -0.1]), np.zeros(3)
+        for k in range(150):
+            v, omega = (0.0, 0.0) if k < 30 else (0.4, 0.2 * math.sin(0.05 * k))
+            truth = arc_step(truth, v, omega, 0.02)
+            ds, dt = v * 0.02, abs(omega) * 0.02
+            turn = rng.normal() * math.sqrt(p.drift_heading_distance**2 * ds + p.drift_heading_turn**2 * dt)
+            slip = rng.normal(size=2) * p.drift_position * math.sqrt(ds)
+            odom = compose(arc_step(odom, v, omega, 0.02), [slip[0], slip[1], turn])
+            observer.add_odometry(Odometry(0.02 * (k + 1), odom, v, omega))
+            error = rng.normal(size=3) * [0.004, 0.004, 0.006]
+            if k % 2 == 0:
+                observer.add_detections(0.02 * (k + 1), [observation(CHAIR, inverse(truth) + error, (0.004, 0.006))])
+        estimate = observer.estimate()
+        residual = difference(estimate.pose, compose(odom, inverse(truth)))
+        values.append(residual @ np.linalg.solve(estimate.covariance, residual))
+    assert 1.8 < np.mean(values) < 3.95
+    assert wrap_angle(residual[2]) == residual[2]
