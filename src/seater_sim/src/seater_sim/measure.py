@@ -1,0 +1,60 @@
+"""How long a picture takes to render, and a step without pictures.
+
+rosrun seater_sim measure_rendering CAMERA_INFO.yaml [PICTURES per case]
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+
+import cv2
+import numpy as np
+import yaml
+
+from seater_common.geometry import Chair, Dock
+from seater_sim.camera import Camera
+from seater_sim.camera_model import CameraModel
+from seater_sim.settings import CameraSettings, SimulatorSettings
+from seater_sim.simulator import Simulator
+
+# Where the chair is (x [m], y [m], heading [rad]) and how it moves (v [m/s], omega [rad/s]).
+CASES = [
+    ("standing far", (-2.5, 0.0, 0.0), 0.0, 0.0),
+    ("driving", (-1.5, 0.0, 0.0), 0.3, 0.0),
+    ("driving and turning", (-1.5, 0.6, -0.3), 0.3, 0.2),
+    ("turning fast", (-1.5, 0.6, -0.3), 0.0, 0.8),
+    ("in the bay", (-0.3, 0.0, 0.0), 0.1, 0.0),
+    ("docked", (0.0, 0.0, 0.0), 0.0, 0.0),
+]
+
+
+def main() -> None:
+    """Prints one line per case; one thread."""
+    if len(sys.argv) not in (2, 3):
+        sys.exit("usage: measure_rendering CAMERA_INFO.yaml [PICTURES per case]")
+    cv2.setNumThreads(1)
+    pictures = int(sys.argv[2]) if len(sys.argv) == 3 else 50
+    model = CameraModel.from_mapping(yaml.safe_load(Path(sys.argv[1]).read_text()))
+    for encoding in ("mono8", "rgb8"):
+        camera = Camera(model, Chair().camera, Dock(), CameraSettings(encoding=encoding))
+        print(f"{model.width} x {model.height} {encoding}, ms per picture: median, 95 %")
+        for name, pose, v, omega in CASES:
+            camera.render(pose, v, omega)  # fills the caches
+            times = []
+            for index in range(pictures):
+                begin = time.perf_counter()
+                camera.render(pose, v, omega, index=index)
+                times.append(1e3 * (time.perf_counter() - begin))
+            print(f"  {name:20} {np.median(times):6.1f} {np.percentile(times, 95):6.1f}")
+    print(f"step of 10 ms without pictures: {_step_us():.0f} us on average over 20 s of driving")
+
+
+def _step_us() -> float:
+    simulator = Simulator(SimulatorSettings(), Chair(), Dock(), None, (-2.0, 0.0, 0.0))
+    begin = time.perf_counter()
+    for _ in range(2000):
+        simulator.command(0.1, 0.0)
+        simulator.step()
+    return (time.perf_counter() - begin) / 2000 * 1e6

@@ -1,0 +1,130 @@
+"""From the core's results to ROS messages."""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+import rospy
+from geometry_msgs.msg import Quaternion, TransformStamped
+from nav_msgs.msg import Odometry
+from numpy.typing import ArrayLike, NDArray
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+
+from seater_common.geometry import CameraMount, rotation_rpy
+from seater_sim.camera_model import CameraModel
+from seater_sim.odometry import VARIANCE_FLOOR, OdometrySample
+from seater_sim.settings import NANOSECONDS, CameraSettings
+from seater_sim.simulator import Picture, Truth
+
+OPTICAL_FRAME = "camera_color_optical_frame"
+
+
+def stamp(time_ns: int) -> rospy.Time:
+    """Nanoseconds as a ROS time."""
+    return rospy.Time(time_ns // NANOSECONDS, time_ns % NANOSECONDS)
+
+
+def odometry_message(sample: OdometrySample) -> Odometry:
+    """Pose of base_link in odom, twist in base_link. What a chair on a flat floor cannot do has the variance's floor."""
+    message = Odometry()
+    message.header.stamp = stamp(sample.time_ns)
+    message.header.frame_id = "odom"
+    message.child_frame_id = "base_link"
+    _set_pose(message, sample.pose, sample.v, sample.omega)
+    pose = VARIANCE_FLOOR * np.eye(6)
+    pose[np.ix_([0, 1, 5], [0, 1, 5])] = sample.pose_covariance
+    twist = VARIANCE_FLOOR * np.eye(6)
+    twist[np.ix_([0, 5], [0, 5])] = sample.twist_covariance
+    message.pose.covariance = pose.reshape(-1).tolist()
+    message.twist.covariance = twist.reshape(-1).tolist()
+    return message
+
+
+def truth_message(truth: Truth) -> Odometry:
+    """True pose of base_link in dock_truth; it is exact, so the covariances are zero."""
+    message = Odometry()
+    message.header.stamp = stamp(truth.time_ns)
+    message.header.frame_id = "dock_truth"
+    message.child_frame_id = "base_link"
+    _set_pose(message, truth.pose, truth.v, truth.omega)
+    return message
+
+
+def _set_pose(message: Odometry, pose: ArrayLike, v: float, omega: float) -> None:
+    x, y, heading = map(float, np.asarray(pose))
+    message.pose.pose.position.x, message.pose.pose.position.y = x, y
+    message.pose.pose.orientation = Quaternion(0.0, 0.0, math.sin(0.5 * heading), math.cos(0.5 * heading))
+    message.twist.twist.linear.x, message.twist.twist.angular.z = v, omega
+
+
+def odometry_transform(message: Odometry) -> TransformStamped:
+    """odom -> base_link."""
+    transform = TransformStamped(header=message.header, child_frame_id=message.child_frame_id)
+    position = message.pose.pose.position
+    transform.transform.translation.x, transform.transform.translation.y = position.x, position.y
+    transform.transform.rotation = message.pose.pose.orientation
+    return transform
+
+
+def camera_transforms(mount: CameraMount, time_ns: int) -> list[TransformStamped]:
+    """base_link -> camera_link -> optical frame."""
+    body = TransformStamped(child_frame_id="camera_link")
+    body.header.frame_id = "base_link"
+    t = body.transform.translation
+    t.x, t.y, t.z = mount.x, mount.y, mount.z
+    body.transform.rotation = _quaternion(rotation_rpy(mount.roll, mount.pitch, mount.yaw))
+    optical = TransformStamped(child_frame_id=OPTICAL_FRAME)
+    optical.header.frame_id = "camera_link"
+    optical.transform.rotation = _quaternion(rotation_rpy(-0.5 * math.pi, 0.0, -0.5 * math.pi))
+    for transform in (body, optical):
+        transform.header.stamp = stamp(time_ns)
+    return [body, optical]
+
+
+def _quaternion(R: NDArray[np.float64]) -> Quaternion:
+    """Of a rotation matrix; its axis and angle by Rodrigues' formula."""
+    vector = cv2.Rodrigues(R)[0].reshape(-1)
+    angle = float(np.linalg.norm(vector))
+    axis = vector / angle if angle > 0.0 else vector
+    x, y, z = map(float, math.sin(0.5 * angle) * axis)
+    return Quaternion(x, y, z, math.cos(0.5 * angle))
+
+
+def camera_info_message(model: CameraModel, picture: Picture) -> CameraInfo:
+    """Of one picture; in its mode "nan_camera_info" the matrices are NaN."""
+    bad = 1.0 if picture.camera_info_valid else math.nan
+    message = CameraInfo(height=model.height, width=model.width, distortion_model=model.distortion_model)
+    message.header.stamp = stamp(picture.stamp_ns)
+    message.header.frame_id = OPTICAL_FRAME
+    message.D = model.D.tolist()
+    message.K = (bad * model.K).reshape(-1).tolist()
+    message.R = model.R.reshape(-1).tolist()
+    message.P = (bad * model.P).reshape(-1).tolist()
+    return message
+
+
+def image_message(picture: Picture, pixels: NDArray[np.generic]) -> Image:
+    """Raw picture; `pixels` as `picture.render` gives them."""
+    message = Image(height=pixels.shape[0], width=pixels.shape[1], encoding=picture.encoding, is_bigendian=0)
+    message.header.stamp = stamp(picture.stamp_ns)
+    message.header.frame_id = OPTICAL_FRAME
+    message.step = pixels.strides[0]
+    message.data = pixels.tobytes()
+    return message
+
+
+def compressed_message(picture: Picture, pixels: NDArray[np.generic], settings: CameraSettings) -> CompressedImage:
+    """As compressed_image_transport names it. A NaN picture cannot be compressed: its data are empty."""
+    message = CompressedImage()
+    message.header.stamp = stamp(picture.stamp_ns)
+    message.header.frame_id = OPTICAL_FRAME
+    target = " bgr8" if picture.encoding == "rgb8" else ""
+    message.format = f"{picture.encoding}; {settings.compressed_format} compressed{target}"
+    if picture.encoding != "32FC1":
+        jpeg = settings.compressed_format == "jpeg"
+        options = [cv2.IMWRITE_JPEG_QUALITY, settings.jpeg_quality] if jpeg else [cv2.IMWRITE_PNG_COMPRESSION, 1]
+        bgr = pixels[:, :, ::-1] if pixels.ndim == 3 else pixels
+        message.data = cv2.imencode(".jpg" if jpeg else ".png", bgr, options)[1].tobytes()
+    return message
