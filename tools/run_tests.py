@@ -131,7 +131,7 @@ def rostests() -> Tally:
 def rostest(launch: Path) -> Tally:
     started = time.monotonic()
     base = OUTPUT / "rostest"
-    report = base / "seater_test" / f"rostest-{launch.stem}.xml"
+    report = base / "seater_test" / f"rosunit-{launch.stem}.xml"  # with every case of the script
     report.unlink(missing_ok=True)
     words = ["rostest", "--results-base-dir", str(base), "--results-filename", f"{launch.stem}.xml", str(launch)]
     code, log = command(f"rostest_{launch.stem}", words, ROS_LOG_DIR=str(OUTPUT / "ros"))

@@ -24,7 +24,7 @@ class MarkerCovered(DockingCase):
             self.last_seen = message.header.stamp.to_sec()
 
     def test_stops_after_the_blind_distance(self) -> None:
-        blind_distance = float(rospy.get_param("/docking/controller/sequence/blind_distance"))
+        blind_distance = float(rospy.get_param("/docking/controller/sequence/max_blind_distance"))
         self.start()
         result = self.result()
         self.assertEqual(result.result_code, DockResult.MARKER_LOST, result.result_text)

@@ -64,9 +64,9 @@ class WrongConfiguration(unittest.TestCase):
         self.refuses("seater_safety", "safety_gate", "safety/request_timeout", None)
 
     def test_marker_detector(self) -> None:
-        self.refuses("seater_perception", "marker_detector_node", "dock/dictionary", None)
-        self.refuses("seater_perception", "marker_detector_node", "dock/dictionary", "DICT_9X9_9")
-        self.refuses("seater_perception", "marker_detector_node", "rectified", None)
+        self.refuses("seater_perception", "marker_detector", "dock/dictionary", None)
+        self.refuses("seater_perception", "marker_detector", "dock/dictionary", "DICT_9X9_9")
+        self.refuses("seater_perception", "marker_detector", "rectified", None)
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ from seater_eval.recording import heading_of
 from seater_eval.ros.dock_client import DockClient, wait_until
 from seater_msgs.msg import DockResult
 
-PATIENCE = 400.0  # [s] wall time; a loaded machine may take long
+PATIENCE = 200.0  # [s] wall time; a loaded machine may take long
 
 
 class DockingCase(unittest.TestCase):

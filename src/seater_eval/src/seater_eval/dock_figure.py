@@ -31,7 +31,9 @@ def draw_docking(recording: Recording, summary: dict[str, Any], dock: Dock, chai
     grid = figure.add_gridspec(3, 2, width_ratios=[1.35, 1.0])
     _draw_map(figure.add_subplot(grid[:, 0]), recording, dock, chair)
     first = figure.add_subplot(grid[0, 1])
-    _draw_speeds(first, recording, chair)
+    _draw_speeds(first, recording)
+    time, _ = _relative_time(recording)
+    first.set_xlim(min(0.0, time[0]), time[-1])  # shared by all three; early commands carry no stamp
     _draw_errors(figure.add_subplot(grid[1, 1], sharex=first), recording, dock)
     _draw_computation(figure.add_subplot(grid[2, 1], sharex=first), recording)
     figure.suptitle(_title(summary), fontsize=13)
@@ -67,7 +69,7 @@ def _draw_map(axes: Axes, recording: Recording, dock: Dock, chair: Chair) -> Non
     axes.set_title("Seen from above")
     axes.grid(alpha=0.3)
     axes.margins(0.06)
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), fontsize=9, ncol=4, frameon=False)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), fontsize=9, ncol=4, frameon=False)
 
 
 def _draw_bay(axes: Axes, dock: Dock) -> None:
@@ -88,11 +90,11 @@ def _draw_bay(axes: Axes, dock: Dock) -> None:
         axes.annotate(
             f"id {marker.id}",
             T[:2, 3],
-            xytext=(8, 0),
+            xytext=(-7, 0),
             textcoords="offset points",
             fontsize=8,
+            ha="right",
             va="center",
-            color="white",
         )
 
 
@@ -104,7 +106,7 @@ def _draw_chair(axes: Axes, chair: Chair, pose: np.ndarray, colour: str, name: s
     axes.plot(pose[0], pose[1], "o", color=colour, ms=6, label=name)
 
 
-def _draw_speeds(axes: Axes, recording: Recording, chair: Chair) -> None:
+def _draw_speeds(axes: Axes, recording: Recording) -> None:
     time, t0 = _relative_time(recording)
     axes.plot(time, recording.truth[:, 4], color=PATH, label="speed [m/s]")
     axes.plot(time, recording.truth[:, 5], color=START, label="turning rate [rad/s]")

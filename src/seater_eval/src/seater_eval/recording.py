@@ -49,8 +49,10 @@ def read_recording(path: str | Path) -> Recording:
     recording = Recording()
     try:
         with rosbag.Bag(str(path)) as bag:
-            for topic, message, _ in bag.read_messages(topics=list(_READERS)):
-                _READERS[topic](message, rows, recording)
+            # Names as they were given to the recorder, with or without the leading slash.
+            names = [name for name in bag.get_type_and_topic_info()[1] if name.lstrip("/") in _READERS]
+            for topic, message, _ in bag.read_messages(topics=names):
+                _READERS[topic.lstrip("/")](message, rows, recording)
     except (OSError, rosbag.ROSBagException) as error:
         raise RecordingError(f"cannot read the bag {path}: {error}") from error
     if not rows["truth"]:
@@ -136,13 +138,13 @@ def _read_result(message: Any, _: dict[str, list[list[float]]], recording: Recor
 
 
 _READERS: dict[str, Any] = {
-    "/ground_truth": _read_odometry("truth"),
-    "/odom": _read_odometry("odom"),
-    "/dock_pose_filtered": _read_dock,
-    "/detections": _read_detections,
-    "/controller_status": _read_status,
-    "/cmd_vel_stamped": _read_command,
-    "/dock/goal": _read_goal,
-    "/dock/feedback": _read_feedback,
-    "/dock/result": _read_result,
+    "ground_truth": _read_odometry("truth"),
+    "odom": _read_odometry("odom"),
+    "dock_pose_filtered": _read_dock,
+    "detections": _read_detections,
+    "controller_status": _read_status,
+    "cmd_vel_stamped": _read_command,
+    "dock/goal": _read_goal,
+    "dock/feedback": _read_feedback,
+    "dock/result": _read_result,
 }

@@ -8,10 +8,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from typing import Any
+from xmlrpc.client import ServerProxy
 
 import actionlib
 import rosgraph
 import rospy
+from actionlib import CommState
 from actionlib_msgs.msg import GoalStatus
 from std_srvs.srv import SetBool
 
@@ -33,12 +35,24 @@ def wait_until(condition: Callable[[], bool], what: str, alive: Callable[[], boo
         time.sleep(0.02)
 
 
+def _is_connected(master: Any, publisher: str, topic: str, subscriber: str) -> bool:
+    """Whether the publisher has a connection to the subscriber, as the publisher says."""
+    if publisher in (rospy.get_name(), subscriber):
+        return True
+    try:
+        _, _, links = ServerProxy(master.lookupNode(publisher)).getBusInfo("dock_run")
+    except (OSError, rosgraph.MasterException):
+        return False
+    return any(link[1] == subscriber and link[2] == "o" and link[4] == topic for link in links)
+
+
 class DockClient:
     """One docking; `alive` tells whether the system still runs."""
 
     def __init__(self, alive: Callable[[], bool]) -> None:
         self._alive = alive
         self._client: Any = None
+        self._goal: Any = None
         self.feedback: DockFeedback | None = None
 
     def connect(self, timeout: float) -> None:
@@ -47,26 +61,31 @@ class DockClient:
         master = rosgraph.Master("dock_run")
         wait_until(lambda: bool(master.hasParam("/use_sim_time")), "the launch file's parameters", self._alive, timeout)
         rospy.init_node("dock_run", anonymous=True, disable_signals=True)
-        self._client = actionlib.SimpleActionClient("dock", DockAction)
-        action = self._client.action_client
+        action = self._client = actionlib.ActionClient("dock", DockAction)
         ends = (action.pub_goal, action.pub_cancel, action.status_sub, action.feedback_sub, action.result_sub)
         wait_until(lambda: all(e.get_num_connections() > 0 for e in ends), "the dock action", self._alive, timeout)
 
-    def wait_for_subscriber(self, topic: str, node: str, timeout: float) -> None:
-        """Until `node` has subscribed to `topic` at the master."""
+    def wait_for_recorder(self, node: str, timeout: float) -> None:
+        """Until `node` hears everything that is being published of what it subscribed to.
+
+        A subscription at the master is not enough: the connections to the publishers are made after it.
+        """
         master = rosgraph.Master("dock_run")
 
-        def subscribed() -> bool:
-            return any(name == topic and node in nodes for name, nodes in master.getSystemState()[1])
+        def recording() -> bool:
+            publishers, subscribers, _ = master.getSystemState()
+            wanted = {topic for topic, nodes in subscribers if node in nodes}
+            offered = {(publisher, topic) for topic, nodes in publishers if topic in wanted for publisher in nodes}
+            return bool(wanted) and all(_is_connected(master, *link, node) for link in offered)
 
-        wait_until(subscribed, f"{node} to listen to {topic}", self._alive, timeout)
+        wait_until(recording, f"{node} to hear everyone", self._alive, timeout)
 
     def start(self, timeout: float) -> None:
         """Sends the goal while time stands still, then lets time run: the same start every time."""
         wait_until(lambda: rospy.get_time() > 0.0, "the simulator's clock", self._alive, timeout)
-        self._client.send_goal(DockGoal(use_dock_id=True, dock_id=""), feedback_cb=self._on_feedback)
-        wait_until(lambda: self._state() != GoalStatus.PENDING, "the goal to be accepted", self._alive, timeout)
-        wait_until(lambda: self.feedback is not None or self.done(), "the first feedback", self._alive, timeout)
+        self.run(False)  # answers when all are connected and the docking node has its first odometry
+        self._goal = self._client.send_goal(DockGoal(use_dock_id=True, dock_id=""), feedback_cb=self._on_feedback)
+        wait_until(lambda: self._state() != GoalStatus.PENDING, "an answer to the goal", self._alive, timeout)
         self.run(True)
 
     def run(self, on: bool) -> None:
@@ -79,13 +98,14 @@ class DockClient:
             self._client.cancel_all_goals()
 
     def done(self) -> bool:
-        return self._state() not in (GoalStatus.PENDING, GoalStatus.ACTIVE)
+        """Whether the goal has ended and its result has arrived."""
+        return self._goal.get_comm_state() == CommState.DONE
 
     def result(self) -> DockResult | None:
-        return self._client.get_result()
+        return self._goal.get_result()
 
     def _state(self) -> int:
-        return int(self._client.get_state())
+        return int(self._goal.get_goal_status())
 
-    def _on_feedback(self, feedback: DockFeedback) -> None:
+    def _on_feedback(self, _: Any, feedback: DockFeedback) -> None:
         self.feedback = feedback
