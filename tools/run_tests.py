@@ -66,11 +66,19 @@ def check(name: str, words: list[str], **environment: str) -> Tally:
     return Tally(failed=1, problems=[f"{name}: exit code {code}\n{tail(log)}"])
 
 
+def cases_of(report: Path) -> list[ElementTree.Element]:
+    """The test cases of a JUnit file; none when a crash left it half written."""
+    try:
+        return list(ElementTree.parse(report).getroot().iter("testcase"))
+    except ElementTree.ParseError:
+        return []
+
+
 def junit(name: str, code: int, log: Path, report: Path) -> Tally:
     """Counts of a JUnit file; a crash without a report is a failure."""
     tally = Tally()
-    if report.exists():
-        for case in ElementTree.parse(report).getroot().iter("testcase"):
+    if report.exists() and report.stat().st_size > 0:
+        for case in cases_of(report):
             wrong = [element for element in case if element.tag in ("failure", "error")]
             if wrong:
                 tally.failed += 1

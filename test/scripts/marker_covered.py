@@ -29,6 +29,7 @@ class MarkerCovered(DockingCase):
         result = self.result()
         self.assertEqual(result.result_code, DockResult.MARKER_LOST, result.result_text)
         self.assertFalse(result.success)
+        self.let_pass(1.0)  # the motors take their time to brake from full speed
         self.assert_standing()
 
         time, way = travelled(self.truth, self.last_seen)

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "seater_perception/dock_detector.h"
+
+namespace seater_perception {
+
+/// A colour picture (CV_8UC3, bgr) for people: the grey picture with each marker's outline, id and axes (x red, y
+/// green, z blue; a red ring on the print's top left corner), the dock's axes, and on top one line of text for each
+/// marker and the dock, then `lines`.
+cv::Mat annotate(const cv::Mat& grey, const CameraModel& camera, const DockLayout& layout,
+                 const DetectionResult& result, const std::vector<std::string>& lines = {});
+
+}  // namespace seater_perception

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "seater_perception/parameters.h"
+#include "seater_perception/pose.h"
+
+namespace seater_perception {
+
+/// One possible pose of a marker or a dock in the optical frame.
+struct PoseHypothesis {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  Matrix6d covariance = Matrix6d::Zero();  ///< see poseCovariance
+  double error = 0.0;                      ///< rms reprojection error [px]
+  double chi_squared = 0.0;                ///< squared reprojection error over the corners' variance
+  double weight = 1.0;                     ///< probability among its competitors, 0..1
+};
+
+/// What a pose has to be compared with to be believed.
+struct PosePrior {
+  /// Unit vector pointing up, in the optical frame; without it every attitude is as probable.
+  std::optional<Eigen::Vector3d> up;
+  /// The direction of the object that points up when it stands upright (markers: y, docks: z).
+  Eigen::Vector3d object_up = Eigen::Vector3d::UnitY();
+};
+
+/// Local minima of the reprojection error: each seed is refined and equal results are merged. Covariance included
+/// (inflated when the residual cannot be explained by the corner's sigma); degenerate poses are left out. Weights are
+/// not set.
+std::vector<PoseHypothesis> refineAll(const CameraModel& camera, const Correspondences& points,
+                                      const std::vector<Eigen::Isometry3d>& seeds);
+
+/// Sets the weights and sorts, most probable first: w ~ exp(-(c + m) / 2), where c is chi_squared (scaled down when
+/// even the smallest is too large for the corners' sigma) and m the squared Mahalanobis distance of the object's tilt
+/// from upright, plus the logarithm of its determinant; the tilt's covariance is tilt_sigma^2 and the pose's own
+/// uncertainty. Weights add up to 1. `corners` is the number of points behind them.
+void weigh(std::vector<PoseHypothesis>& hypotheses, std::size_t corners, const PosePrior& prior, double tilt_sigma);
+
+/// The part m of weigh()'s cost: what the prior says against a pose, up to a constant.
+double tiltCost(const PoseHypothesis& hypothesis, const PosePrior& prior, double tilt_sigma);
+
+/// Leaves out what is less probable than the parameter min_hypothesis_weight; the rest adds up to 1 again.
+template <typename Hypothesis>
+void dropImprobable(std::vector<Hypothesis>& hypotheses, double min_weight) {
+  std::vector<Hypothesis> kept;
+  double sum = 0.0;
+  for (const Hypothesis& h : hypotheses) {
+    if (!kept.empty() && h.weight < min_weight) continue;
+    kept.push_back(h);
+    sum += h.weight;
+  }
+  for (Hypothesis& h : kept) h.weight /= sum;
+  hypotheses = kept;
+}
+
+/// Largest reprojection error [px] with which a marker of this side [px] is believed.
+double largestError(double side, const PoseParameters& parameters);
+
+}  // namespace seater_perception

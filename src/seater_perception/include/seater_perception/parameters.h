@@ -1,0 +1,121 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "seater_perception/strict_yaml.h"
+
+namespace seater_perception {
+
+/// How markers are found in the picture. Every struct here holds default, unit, range and meaning of a value in one
+/// place.
+struct DetectorParameters {
+  int threshold_window_min = 3;
+  int threshold_window_max = 23;
+  int threshold_window_step = 10;
+  double threshold_constant = 7.0;
+  double min_side = 12.0;
+  double error_correction_rate = 0.6;
+  double corner_window = 0.4;
+  int corner_window_min = 2;
+  int corner_window_max = 15;
+  bool edge_fit = true;
+  double edge_band = 0.6;
+  double edge_band_min = 2.0;
+  double edge_band_max = 4.0;
+
+  template <typename Visitor>
+  void visit(Visitor& v) {
+    v.integer("threshold_window_min", threshold_window_min, "px", 3, 255, "smallest window of the adaptive threshold");
+    v.integer("threshold_window_max", threshold_window_max, "px", 3, 255, "largest window of the adaptive threshold");
+    v.integer("threshold_window_step", threshold_window_step, "px", 1, 255, "step between the windows");
+    v.number("threshold_constant", threshold_constant, "grey levels", 0.0, 100.0,
+             "how much darker than its surroundings");
+    v.number("min_side", min_side, "px", 5.0, 500.0, "smallest marker side looked for");
+    v.number("error_correction_rate", error_correction_rate, "", 0.0, 1.0, "part of the code's correctable bits used");
+    v.number("corner_window", corner_window, "marker cells", 0.1, 0.8, "half window of the corner refinement");
+    v.integer("corner_window_min", corner_window_min, "px", 1, 20, "smallest half window of the corner refinement");
+    v.integer("corner_window_max", corner_window_max, "px", 1, 60, "largest half window of the corner refinement");
+    v.boolean("edge_fit", edge_fit, "afterwards, fit the four edges and take their intersections as corners");
+    v.number("edge_band", edge_band, "marker cells", 0.2, 0.9, "half width of the band round an edge");
+    v.number("edge_band_min", edge_band_min, "px", 1.0, 10.0, "smallest half width of the band");
+    v.number("edge_band_max", edge_band_max, "px", 1.0, 20.0, "largest half width of the band");
+  }
+};
+
+/// How poses are computed, chosen and refused.
+struct PoseParameters {
+  double corner_sigma = 0.05;
+  double corner_sigma_coarse = 0.25;
+  double tilt_sigma = 0.035;
+  double min_hypothesis_weight = 0.02;
+  double max_reprojection_error = 1.0;
+  double max_reprojection_fraction = 0.02;
+  double placement_tolerance = 0.005;
+
+  template <typename Visitor>
+  void visit(Visitor& v) {
+    v.number("corner_sigma", corner_sigma, "px", 0.001, 5.0, "standard deviation of a corner coordinate");
+    v.number("corner_sigma_coarse", corner_sigma_coarse, "px", 0.001, 5.0,
+             "the same where the edges could not be fitted");
+    v.number("tilt_sigma", tilt_sigma, "rad", 0.001, 1.0, "how far markers and camera are from upright");
+    v.number("min_hypothesis_weight", min_hypothesis_weight, "", 0.0, 0.5, "less probable poses are left out");
+    v.number("max_reprojection_error", max_reprojection_error, "px", 0.05, 20.0, "larger ones are refused, if also:");
+    v.number("max_reprojection_fraction", max_reprojection_fraction, "sides", 0.0, 0.2,
+             "of the marker's side exceeded");
+    v.number("placement_tolerance", placement_tolerance, "m", 0.0, 0.1, "how far a marker may be from its place");
+  }
+};
+
+/// When the diagnostics of the node call something a warning.
+struct DiagnosticsParameters {
+  double min_rate = 5.0;
+  double max_latency = 0.2;
+
+  template <typename Visitor>
+  void visit(Visitor& v) {
+    v.number("min_rate", min_rate, "Hz", 0.0, 1000.0, "fewer pictures per second are a warning");
+    v.number("max_latency", max_latency, "s", 0.001, 10.0, "a longer way from stamp to publication is a warning");
+  }
+};
+
+/// config/perception.yaml.
+struct PerceptionParameters {
+  std::string selection = "bundle";  ///< "bundle": all visible markers; "lowest_id": the paper's choice
+  DetectorParameters detector;
+  PoseParameters pose;
+  DiagnosticsParameters diagnostics;
+
+  template <typename Visitor>
+  void visit(Visitor& v) {
+    v.choice("selection", selection, {"bundle", "lowest_id"}, "which markers the dock's pose is computed from");
+    v.group("detector", detector, "how markers are found");
+    v.group("pose", pose, "how poses are computed");
+    v.group("diagnostics", diagnostics, "limits for warnings");
+  }
+};
+
+/// Pose of camera_link in base_link (the part `camera` of config/chair.yaml).
+struct CameraMount {
+  double x = 0.45, y = 0.0, z = 0.70;         ///< [m]
+  double roll = 0.0, pitch = 0.0, yaw = 0.0;  ///< [rad], as in URDF; pitch > 0 looks down
+
+  template <typename Visitor>
+  void visit(Visitor& v) {
+    v.number("x", x, "m", -2.0, 2.0, "ahead of the driven axle");
+    v.number("y", y, "m", -1.0, 1.0, "left of the middle");
+    v.number("z", z, "m", 0.0, 2.0, "above the floor");
+    v.number("roll", roll, "rad", -3.1416, 3.1416, "about x");
+    v.number("pitch", pitch, "rad", -1.6, 1.6, "about y; positive looks down");
+    v.number("yaw", yaw, "rad", -3.1416, 3.1416, "about z; positive looks left");
+  }
+
+  /// Unit vector pointing up, in the optical frame, when the chair stands on level floor.
+  Eigen::Vector3d upInOptical() const;
+};
+
+/// Both throw ConfigurationError; `prefix` names the mapping in messages.
+PerceptionParameters loadPerceptionParameters(const YAML::Node& node, const std::string& prefix);
+CameraMount loadCameraMount(const YAML::Node& node, const std::string& prefix);
+
+}  // namespace seater_perception

@@ -1,0 +1,167 @@
+#include <cv_bridge/cv_bridge.h>
+#include <image_transport/camera_common.h>
+#include <image_transport/image_transport.h>
+#include <message_filters/subscriber.h>
+#include <message_filters/time_synchronizer.h>
+#include <nodelet/nodelet.h>
+
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "ros_diagnostics.h"
+#include "ros_messages.h"
+#include "ros_parameters.h"
+#include "seater_perception/draw.h"
+#include "seater_perception/errors.h"
+
+namespace seater_perception {
+
+/// Pictures to detections: only converts messages and parameters; DockDetector does the work. Topics:
+/// docs/perception.md.
+///
+/// Threads: everything runs in the nodelet's single-threaded queue; the mutex is there because a subscriber may connect
+/// while onInit is still advertising.
+class MarkerDetectorNodelet : public nodelet::Nodelet {
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void onInit() override {
+    try {
+      parameters_ = loadNodeParameters(getPrivateNodeHandle());
+    } catch (const std::exception& error) {
+      NODELET_FATAL("%s", error.what());
+      throw;
+    }
+    const std::lock_guard<std::mutex> lock(connect_mutex_);
+    ros::NodeHandle& nh = getNodeHandle();
+    transport_ = std::make_unique<image_transport::ImageTransport>(nh);
+    diagnostics_ =
+        std::make_unique<Diagnostics>(nh, getPrivateNodeHandle(), getName(), parameters_.perception.diagnostics);
+    const ros::SubscriberStatusCallback changed = [this](const ros::SingleSubscriberPublisher&) { connect(); };
+    const image_transport::SubscriberStatusCallback image_changed =
+        [this](const image_transport::SingleSubscriberPublisher&) { connect(); };
+    detections_ = nh.advertise<seater_msgs::MarkerDetectionArray>("detections", 1, changed, changed);
+    dock_pose_ = nh.advertise<geometry_msgs::PoseWithCovarianceStamped>("dock_pose", 1, changed, changed);
+    annotated_ = transport_->advertise("detections/image", 1, image_changed, image_changed);
+    if (!parameters_.lazy) subscribe();
+  }
+
+  /// Follows the listeners: with none, the camera is left alone.
+  void connect() {
+    const std::lock_guard<std::mutex> lock(connect_mutex_);
+    if (!parameters_.lazy) return;
+    const bool wanted =
+        detections_.getNumSubscribers() + dock_pose_.getNumSubscribers() + annotated_.getNumSubscribers() > 0;
+    if (wanted && !subscribed_) subscribe();
+    if (!wanted && subscribed_) unsubscribe();
+  }
+
+  void subscribe() {
+    ros::NodeHandle& nh = getNodeHandle();
+    if (parameters_.image_transport == "raw") {
+      const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), getPrivateNodeHandle());
+      camera_ = transport_->subscribeCamera("image", 1, &MarkerDetectorNodelet::onImage, this, hints);
+    } else {
+      const std::string image = nh.resolveName("image");
+      compressed_.subscribe(nh, image + "/compressed", 1, ros::TransportHints().tcpNoDelay());
+      info_.subscribe(nh, image_transport::getCameraInfoTopic(image), 1, ros::TransportHints().tcpNoDelay());
+      synchroniser_ = std::make_unique<Synchroniser>(compressed_, info_, 2);
+      synchroniser_->registerCallback(&MarkerDetectorNodelet::onCompressed, this);
+    }
+    subscribed_ = true;
+    diagnostics_->setListening(true);
+  }
+
+  void unsubscribe() {
+    camera_.shutdown();
+    synchroniser_.reset();
+    compressed_.unsubscribe();
+    info_.unsubscribe();
+    subscribed_ = false;
+    diagnostics_->setListening(false);
+  }
+
+  void onImage(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info) {
+    guarded([&](const Clock::time_point& begin) {
+      followCalibration(*info);
+      const GreyPicture picture = toGrey(image);
+      process(picture.grey, image->header, begin);
+    });
+  }
+
+  void onCompressed(const sensor_msgs::CompressedImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info) {
+    guarded([&](const Clock::time_point& begin) {
+      followCalibration(*info);
+      process(toGrey(*image), image->header, begin);
+    });
+  }
+
+  /// A picture that cannot be worked through is reported and leaves no trace in the outputs.
+  template <typename Work>
+  void guarded(const Work& work) {
+    const Clock::time_point begin = Clock::now();
+    try {
+      work(begin);
+    } catch (const std::exception& error) {
+      diagnostics_->failed(error.what());
+      NODELET_ERROR_THROTTLE(1.0, "picture not used: %s", error.what());
+    }
+  }
+
+  /// The calibration comes with every picture; the model is made anew only when it differs.
+  void followCalibration(const sensor_msgs::CameraInfo& info) {
+    const Calibration calibration = toCalibration(info);
+    if (detector_ && calibration == calibration_) return;
+    detector_.reset();
+    const CameraModel camera =
+        parameters_.rectified ? CameraModel::rectified(calibration) : CameraModel::raw(calibration);
+    detector_ = std::make_unique<DockDetector>(camera, parameters_.dock, parameters_.perception, parameters_.mount);
+    calibration_ = calibration;
+  }
+
+  void process(const cv::Mat& grey, const std_msgs::Header& header, const Clock::time_point& begin) {
+    const DetectionResult result = detector_->detect(grey);
+    seater_msgs::MarkerDetectionArray message = toMessage(result, header);
+    message.processing_time = std::chrono::duration<double>(Clock::now() - begin).count();
+    detections_.publish(message);
+    if (!message.dock.empty()) {
+      geometry_msgs::PoseWithCovarianceStamped dock;
+      dock.header = header;
+      dock.pose = message.dock.front().pose;
+      dock_pose_.publish(dock);
+    }
+    const double latency = (ros::Time::now() - header.stamp).toSec();
+    diagnostics_->published(latency, message.processing_time, !message.dock.empty());
+    if (annotated_.getNumSubscribers() > 0) publishAnnotated(grey, header, result, latency, message.processing_time);
+  }
+
+  void publishAnnotated(const cv::Mat& grey, const std_msgs::Header& header, const DetectionResult& result,
+                        double latency, double processing_time) {
+    char line[120];
+    std::snprintf(line, sizeof(line), "latency %.0f ms, processing %.1f ms", 1e3 * latency, 1e3 * processing_time);
+    const cv::Mat picture = annotate(grey, detector_->camera(), parameters_.dock, result, {line});
+    annotated_.publish(cv_bridge::CvImage(header, "bgr8", picture).toImageMsg());
+  }
+
+  using Synchroniser = message_filters::TimeSynchronizer<sensor_msgs::CompressedImage, sensor_msgs::CameraInfo>;
+
+  NodeParameters parameters_;
+  std::unique_ptr<DockDetector> detector_;
+  Calibration calibration_;  // of detector_
+  std::mutex connect_mutex_;
+  bool subscribed_ = false;
+  std::unique_ptr<image_transport::ImageTransport> transport_;
+  image_transport::CameraSubscriber camera_;
+  message_filters::Subscriber<sensor_msgs::CompressedImage> compressed_;
+  message_filters::Subscriber<sensor_msgs::CameraInfo> info_;
+  std::unique_ptr<Synchroniser> synchroniser_;
+  ros::Publisher detections_, dock_pose_;
+  image_transport::Publisher annotated_;
+  std::unique_ptr<Diagnostics> diagnostics_;
+};
+
+}  // namespace seater_perception
+
+PLUGINLIB_EXPORT_CLASS(seater_perception::MarkerDetectorNodelet, nodelet::Nodelet)

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/node_handle.h>
+
+#include <string>
+#include <vector>
+
+#include "seater_perception/parameters.h"
+
+namespace seater_perception {
+
+/// Rate, latency (stamp to publication) and errors of the last seconds, on /diagnostics once per second of wall time.
+class Diagnostics {
+ public:
+  Diagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, const std::string& name,
+              const DiagnosticsParameters& parameters);
+
+  void published(double latency, double processing_time, bool dock_seen);  ///< both [s]
+  void failed(const std::string& reason);
+  void setListening(bool listening) { listening_ = listening; }
+
+ private:
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  DiagnosticsParameters parameters_;
+  diagnostic_updater::Updater updater_;
+  ros::WallTimer timer_;
+  ros::WallTime since_ = ros::WallTime::now();
+  bool listening_ = false;
+  // Since the last report, and (total_) since the start:
+  std::vector<double> latency_, processing_;
+  int seen_ = 0, errors_ = 0;
+  long total_pictures_ = 0, total_errors_ = 0;
+  std::string last_error_;
+};
+
+}  // namespace seater_perception

@@ -1,0 +1,100 @@
+#include "ros_messages.h"
+
+#include <cv_bridge/cv_bridge.h>
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+
+#include "seater_perception/errors.h"
+#include "seater_perception/image_checks.h"
+
+namespace seater_perception {
+
+Calibration toCalibration(const sensor_msgs::CameraInfo& info) {
+  if (info.binning_x > 1 || info.binning_y > 1) {
+    throw CalibrationError("camera_info has binning, which is not supported; give the pictures' own calibration");
+  }
+  const auto& roi = info.roi;
+  const bool whole = (roi.width == 0 || roi.width == info.width) && (roi.height == 0 || roi.height == info.height);
+  if (!whole || roi.x_offset != 0 || roi.y_offset != 0) {
+    throw CalibrationError(
+        "camera_info has a region of interest, which is not supported; give the pictures' own calibration");
+  }
+  Calibration c;
+  c.width = static_cast<int>(info.width);
+  c.height = static_cast<int>(info.height);
+  std::copy(info.K.begin(), info.K.end(), c.K.begin());
+  std::copy(info.P.begin(), info.P.end(), c.P.begin());
+  c.D = info.D;
+  c.distortion_model = info.distortion_model;
+  return c;
+}
+
+GreyPicture toGrey(const sensor_msgs::ImageConstPtr& message) {
+  if (message->width == 0 || message->height == 0 || message->data.empty()) throw PictureError("the picture is empty");
+  checkEncoding(message->encoding);
+  try {
+    const auto shared = cv_bridge::toCvShare(message, "mono8");
+    return {message, shared->image};
+  } catch (const cv_bridge::Exception& error) {
+    throw PictureError(std::string("the picture cannot be converted: ") + error.what());
+  } catch (const cv::Exception& error) {
+    throw PictureError(std::string("the picture cannot be converted: ") + error.what());
+  }
+}
+
+cv::Mat toGrey(const sensor_msgs::CompressedImage& message) {
+  if (message.data.empty()) throw PictureError("the compressed picture is empty");
+  cv::Mat grey;
+  try {
+    grey = cv::imdecode(message.data, cv::IMREAD_GRAYSCALE);
+  } catch (const cv::Exception&) {  // as good as unreadable
+  }
+  if (grey.empty()) throw PictureError("the compressed picture ('" + message.format + "') cannot be decoded");
+  return grey;
+}
+
+geometry_msgs::PoseWithCovariance toMessage(const PoseHypothesis& hypothesis) {
+  geometry_msgs::PoseWithCovariance message;
+  const Eigen::Vector3d& t = hypothesis.pose.translation();
+  const Eigen::Quaterniond q(hypothesis.pose.linear());
+  message.pose.position.x = t.x();
+  message.pose.position.y = t.y();
+  message.pose.position.z = t.z();
+  message.pose.orientation.x = q.x();
+  message.pose.orientation.y = q.y();
+  message.pose.orientation.z = q.z();
+  message.pose.orientation.w = q.w();
+  std::copy_n(hypothesis.covariance.data(), 36,
+              message.covariance.begin());  // symmetric: row or column order is the same
+  return message;
+}
+
+seater_msgs::MarkerDetectionArray toMessage(const DetectionResult& result, const std_msgs::Header& header) {
+  seater_msgs::MarkerDetectionArray message;
+  message.header = header;
+  for (const DetectedMarker& m : result.markers) {
+    seater_msgs::MarkerDetection marker;
+    marker.id = m.image.id;
+    marker.size = m.size;
+    for (std::size_t i = 0; i < 4; ++i) {
+      marker.corners[i].x = m.image.corners[i].x();
+      marker.corners[i].y = m.image.corners[i].y();
+    }
+    marker.pose = toMessage(m.best());
+    marker.reprojection_error = m.best().error;
+    marker.ambiguity = m.ambiguity;
+    marker.side_px = m.image.side();
+    message.markers.push_back(marker);
+  }
+  for (const DockHypothesis& h : result.dock) {
+    seater_msgs::DockObservation dock;
+    dock.pose = toMessage(h);
+    dock.weight = h.weight;
+    dock.marker_ids.assign(h.marker_ids.begin(), h.marker_ids.end());
+    message.dock.push_back(dock);
+  }
+  return message;
+}
+
+}  // namespace seater_perception

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <seater_msgs/MarkerDetectionArray.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/CompressedImage.h>
+#include <sensor_msgs/Image.h>
+
+#include <opencv2/core.hpp>
+
+#include "seater_perception/dock_detector.h"
+
+namespace seater_perception {
+
+/// Throws CalibrationError for binning and for a region of interest smaller than the picture (K would not fit the
+/// picture).
+Calibration toCalibration(const sensor_msgs::CameraInfo& info);
+
+/// A grey picture that shares the message's memory where it can. Both throw PictureError.
+struct GreyPicture {
+  sensor_msgs::ImageConstPtr owner;
+  cv::Mat grey;
+};
+GreyPicture toGrey(const sensor_msgs::ImageConstPtr& message);
+cv::Mat toGrey(const sensor_msgs::CompressedImage& message);
+
+/// Without processing_time.
+seater_msgs::MarkerDetectionArray toMessage(const DetectionResult& result, const std_msgs::Header& header);
+
+geometry_msgs::PoseWithCovariance toMessage(const PoseHypothesis& hypothesis);
+
+}  // namespace seater_perception
