@@ -40,10 +40,10 @@ def _is_connected(master: Any, publisher: str, topic: str, subscriber: str) -> b
     if publisher in (rospy.get_name(), subscriber):
         return True
     try:
-        _, _, links = ServerProxy(master.lookupNode(publisher)).getBusInfo("dock_run")
+        answer: Any = ServerProxy(master.lookupNode(publisher)).getBusInfo("dock_run")
     except (OSError, rosgraph.MasterException):
         return False
-    return any(link[1] == subscriber and link[2] == "o" and link[4] == topic for link in links)
+    return any(link[1] == subscriber and link[2] == "o" and link[4] == topic for link in answer[2])
 
 
 class DockClient:
