@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# The install space serves by itself: installs the built workspace into a fresh folder and docks from there.
-# usage: install_space.sh ROOT PREFIX
+# The install space serves by itself: installs the built workspace afresh and docks from there.
+# usage: install_space.sh ROOT
 set -euo pipefail
-root=$1 prefix=$2
+root=$1 prefix=$1/install
 rm -rf "$prefix"
-cmake --install "$root/build" --prefix "$prefix"
+cmake --install "$root/build"
 # Nothing of the build or devel space may help.
 unset CMAKE_PREFIX_PATH ROS_PACKAGE_PATH PYTHONPATH LD_LIBRARY_PATH PKG_CONFIG_PATH ROSLISP_PACKAGE_DIRECTORIES
 set +u
@@ -16,4 +16,4 @@ for package in seater_perception seater_nmpc seater_sim seater_bringup seater_co
   case "$found" in "$prefix"/*) ;; *) echo "$package is found in $found, not in $prefix"; exit 1 ;; esac
 done
 rosrun seater_perception detect_image --help
-rosrun seater_eval dock_run --start "-1.6 0 0" --images none --results "$prefix/dock"
+rosrun seater_eval dock_run --start "-1.6 0 0" --images none --results "$root/results/test/installed_dock"

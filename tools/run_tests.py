@@ -112,21 +112,16 @@ def gtests() -> Tally:
 
 
 def pytests() -> Tally:
-    report = OUTPUT / "pytest.xml"
-    report.unlink(missing_ok=True)
-    folders = [str(f.relative_to(ROOT)) for f in sorted(ROOT.glob("src/*/test")) if any(f.glob("test_*.py"))]
-    # Test modules of different packages may bear the same name.
-    words = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "--import-mode=importlib",
-        f"--junitxml={report}",
-        *folders,
-        "test/structure",
-    ]
-    code, log = command("pytest", words)
-    return junit("pytest", code, log, report)
+    """One run for each package: their test modules and conftest files may bear the same names."""
+    tally = Tally()
+    folders = [f for f in sorted(ROOT.glob("src/*/test")) if any(f.glob("test_*.py"))]
+    for folder in [*folders, ROOT / "test" / "structure"]:
+        name = f"pytest_{folder.parent.name}"
+        report = OUTPUT / f"{name}.xml"
+        report.unlink(missing_ok=True)
+        code, log = command(name, [sys.executable, "-m", "pytest", f"--junitxml={report}", str(folder.relative_to(ROOT))])
+        tally.add(junit(name, code, log, report))
+    return tally
 
 
 def rostests() -> Tally:
@@ -170,8 +165,8 @@ def lint() -> Tally:
 
 
 def install_space() -> Tally:
-    """`cmake --install` into a fresh folder, then one docking from there with nothing of the build sourced."""
-    return check("install_space", ["bash", "test/install_space.sh", str(ROOT), str(OUTPUT / "install")])
+    """`cmake --install`, then one docking from there with nothing of the build sourced."""
+    return check("install_space", ["bash", "test/install_space.sh", str(ROOT)])
 
 
 STAGES: dict[str, Callable[[], Tally]] = {
