@@ -15,7 +15,7 @@ import tf2_ros
 from geometry_msgs.msg import PoseWithCovarianceStamped, TwistStamped
 from nav_msgs.msg import Odometry as OdometryMsg
 from nav_msgs.msg import Path
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, Header
 
 from seater_common.geometry import Chair, Dock, planar_pose
 from seater_common.params import load
@@ -122,9 +122,17 @@ class DockingNode:
             except Exception as error:  # whatever it is: the chair must stand, and the node must say so
                 rospy.logerr_throttle(1.0, "docking node, %s: %s: %s", kind, type(error).__name__, error)
                 self._abort(ResultCode.UNKNOWN, f"internal error: {error}")
-            if self._done is not None and kind in ("odom", "detections"):
-                requested = self._requested == content.header.stamp
-                self._done.publish(InputDone(content.header, rospy.get_name(), kind, requested))
+            self._answer(kind, content)
+
+    def _answer(self, kind: str, content: Any) -> None:
+        """In lock-step: this input has been worked through."""
+        if self._done is None:
+            return
+        if kind in ("odom", "detections"):
+            requested = self._requested == content.header.stamp
+            self._done.publish(InputDone(content.header, rospy.get_name(), kind, requested))
+        elif kind == "contact":
+            self._done.publish(InputDone(Header(), rospy.get_name(), "charging_contact", False))
 
     def _on_odometry(self, message: OdometryMsg) -> None:
         stamp, newest = message.header.stamp.to_sec(), self._observer.odometry.newest

@@ -33,6 +33,7 @@ class Links:
     def __init__(self, options: Options, node: SimNode) -> None:
         self._options = options
         self._answers: Answers[Any] = Answers()
+        self._contact_answers = 0
         self._advertise()
         self._static = tf2_ros.StaticTransformBroadcaster()
         self._transforms = tf2_ros.TransformBroadcaster()
@@ -48,7 +49,10 @@ class Links:
             self._answers.put("cmd_vel_stamped", message.header.stamp.to_nsec(), message)
 
         def on_done(message: InputDone) -> None:
-            self._answers.put("input_done/" + message.input, message.header.stamp.to_nsec(), message)
+            key = message.header.stamp.to_nsec()
+            if message.input == "charging_contact":  # its message has no stamp: the answers are counted
+                key = self._contact_answers = self._contact_answers + 1
+            self._answers.put("input_done/" + message.input, key, message)
 
         def on_detections(message: rospy.AnyMsg) -> None:
             self._answers.put("detections", _stamp_of(message), True)
@@ -107,8 +111,11 @@ class Links:
         self._truth.publish(messages.truth_message(truth))
 
     def publish_contact(self, closed: bool) -> None:
-        """Charging contact; latched."""
+        """Charging contact; latched. In lock-step the docking node knows it before the time goes on."""
+        expected = self._contact_answers + 1
         self._contact.publish(Bool(closed))
+        if "input_done" in self._subscribers and self._present("input_done"):
+            self._wait("input_done/charging_contact", "input_done", expected)
 
     def publish_collisions(self, count: int) -> None:
         """How often the chair ran into something; latched."""
