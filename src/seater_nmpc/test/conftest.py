@@ -88,14 +88,15 @@ class World:
 
 @pytest.fixture(scope="session")
 def controller() -> DockingController:
-    """The controller as it is configured by default; building it takes a quarter of a second."""
-    return DockingController(Chair(), Dock(), deterministic=True)
+    """The controller with its quickest solver."""
+    return DockingController(Chair(), Dock(), replace(ControlParameters(), solver="rti"), deterministic=True)
 
 
 @pytest.fixture(scope="session")
 def quick_controller() -> DockingController:
     """Sees as far with half the steps: for sequences, which are not about the last millimetre."""
-    return DockingController(Chair(), Dock(), replace(ControlParameters(), horizon=15, step=0.2), deterministic=True)
+    parameters = replace(ControlParameters(), solver="rti", horizon=15, step=0.2)
+    return DockingController(Chair(), Dock(), parameters, deterministic=True)
 
 
 @pytest.fixture

@@ -3,20 +3,43 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seater_common.geometry import Chair
+from seater_common.geometry import Chair, Limits
 from seater_nmpc.geometry import Areas, Corner
 from seater_nmpc.nlp import StageProgramme
 from seater_nmpc.parameters import ControlParameters
 
 Array = NDArray[np.float64]
 
-_SOFTPLUS_WIDTH = 0.01  # [m] over which the bound on the speed bends from the bay's limit into the braking curve
+# The bound on the speed bends from the bay's limit into the braking curve over a few times this width [m], so far ahead of
+# the entrance [m]. Sharper, and full steps across the bend do not settle.
+_SOFTPLUS_WIDTH = 0.06
+_SOFTPLUS_SHIFT = 3.0 * _SOFTPLUS_WIDTH
 _ROUNDING = 0.02  # [-] rounding of |sin| and |cos| in the reach of the footprint: slows down up to 10 mm early
+
+
+@dataclass(frozen=True)
+class _Stage:
+    """What one stage's constraints are made of."""
+
+    heading: ca.SX
+    footprint: ca.SX  # (4, 2)
+    angles: ca.SX
+    rooms: list[ca.SX]  # how much room is left, without slack: areas, speed, view
+
+
+def allowed_speed(left: ca.SX, limits: Limits, deceleration: float) -> ca.SX:
+    """sqrt(v_bay^2 + 2 a (left)+), smooth: with `left` [m] to go to the bay, the chair can still brake to the bay's limit.
+
+    a is the share `deceleration` of the chair's largest one. At the entrance it is the bay's limit exactly.
+    """
+    smooth = _softplus(left - _SOFTPLUS_SHIFT) - _softplus(ca.SX(-_SOFTPLUS_SHIFT))
+    return ca.sqrt(limits.v_bay_max**2 + 2.0 * deceleration * limits.a_max * smooth)
 
 
 class AreaConstraints:
@@ -32,6 +55,8 @@ class AreaConstraints:
         self._half_planes, self._corners = len(areas.half_planes), len(areas.corners)
         self._angles: list[slice] = []
         self._slacks: list[slice] = []
+        self._stages: list[_Stage] = []
+        self._columns: tuple[NDArray[np.int_], NDArray[np.int_]] | None = None
         self._p, self._where = programme.parameter("areas", _area_vector(areas).size)
 
     def add_stage(self, programme: StageProgramme, pose: ca.SX, v: ca.SX, step: float) -> None:
@@ -42,27 +67,50 @@ class AreaConstraints:
         slack, where = programme.variable("s", [0.0] * 3, [math.inf] * 3)
         self._slacks.append(where)
         footprint = _footprint(self._chair, pose)
+        planes, points, entrance, view = self._instance()
+        lines = [ca.vertcat(ca.cos(angles[i]), ca.sin(angles[i])) for i in range(self._corners)]
+        area = [planes[2, i] - margin - footprint @ planes[:2, i] for i in range(self._half_planes)]
+        area += [footprint @ line - ca.dot(line, points[:, i]) - margin for i, line in enumerate(lines)]
+        allowed = self._allowed_speed(pose, entrance)
+        speed, sight = ca.vertcat(allowed - v, allowed + v), self._view(pose, view)
+        for i, rooms in enumerate((area, [speed], [sight])):
+            for room in rooms:
+                programme.constrain(room + slack[i], 0.0, math.inf)
+        programme.cost += step * price * (ca.sum1(slack[:2]) + ca.sumsqr(slack[:2]))
+        programme.cost += step * self._parameters.weights.view * (slack[2] + slack[2] ** 2)
+        self._stages.append(_Stage(pose[2], footprint, angles, [ca.vertcat(*area), speed, sight]))
+
+    def refinement(self, x: ca.SX, lower: ca.SX, upper: ca.SX) -> ca.SX:
+        """The variables x with, for the poses in them, the best parting lines and the smallest sufficient slacks.
+
+        What a linearisation says about lines and slacks holds near its point only; this says the truth about an iterate.
+        """
+        x, points = ca.SX(x), self._instance()[1]
+        for k, stage in enumerate(self._stages):
+            where, best = self._angles[k], []
+            for i in range(self._corners):
+                j = where.start + i
+                best.append(
+                    _best_angle(stage.footprint - ca.repmat(points[:, i].T, 4, 1), stage.heading, lower[j], upper[j])
+                )
+            x[where] = ca.vertcat(*best)
+            rooms = ca.substitute(stage.rooms, [stage.angles], [x[where]]) if best else stage.rooms
+            x[self._slacks[k]] = ca.vertcat(*[ca.fmax(0.0, -ca.mmin(room)) for room in rooms])
+        return x
+
+    def _instance(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+        """Half-planes (3, n), corners (2, m), entrance (3,) and view (2,) out of the parameters."""
         end = 3 * self._half_planes + 2 * self._corners
         planes = ca.reshape(self._p[: 3 * self._half_planes], 3, self._half_planes)
         points = ca.reshape(self._p[3 * self._half_planes : end], 2, self._corners)
-        for i in range(self._half_planes):
-            programme.constrain(planes[2, i] - margin - footprint @ planes[:2, i] + slack[0], 0.0, math.inf)
-        for i in range(self._corners):
-            normal = ca.vertcat(ca.cos(angles[i]), ca.sin(angles[i]))
-            ahead = footprint @ normal - ca.dot(normal, points[:, i])
-            programme.constrain(ahead - margin + slack[0], 0.0, math.inf)
-        allowed = self._allowed_speed(pose, self._p[end : end + 3]) + slack[1]
-        programme.constrain(ca.vertcat(allowed - v, allowed + v), 0.0, math.inf)
-        programme.cost += step * price * (ca.sum1(slack[:2]) + ca.sumsqr(slack[:2]))
-        programme.constrain(self._view(pose, self._p[end + 3 :]) + slack[2], 0.0, math.inf)
-        programme.cost += step * self._parameters.weights.view * (slack[2] + slack[2] ** 2)
+        return planes, points, self._p[end : end + 3], self._p[end + 3 :]
 
     def set_instance(self, areas: Areas, p: Array, lower: Array, upper: Array) -> None:
         """Write where the areas are into the parameters and the bounds."""
         p[self._where] = _area_vector(areas)
-        for angles in self._angles:
-            lower[angles] = [corner.first for corner in areas.corners]
-            upper[angles] = [corner.last for corner in areas.corners]
+        columns, _ = self._index()
+        lower[columns] = [corner.first for corner in areas.corners]
+        upper[columns] = [corner.last for corner in areas.corners]
 
     def guess(self, areas: Areas, states: Array, x: Array) -> None:
         """Write angles that part the areas from the poses of the stages 1..N, `states` (N + 1, >= 3), into x."""
@@ -72,12 +120,19 @@ class AreaConstraints:
 
     def carry_over(self, old: Array, x: Array) -> None:
         """Copy angles and slacks of an earlier solution."""
-        for where in [*self._angles, *self._slacks]:
-            x[where] = old[where]
+        for columns in self._index():
+            x[columns] = old[columns]
 
     def violation(self, x: Array) -> float:
         """Largest violation of an area or of the bay's speed in the plan [m or m/s]; the view is a wish, not counted."""
-        return max(0.0, *(float(np.max(x[where][:2])) for where in self._slacks))
+        return max(0.0, float(np.max(x[self._index()[1][:, :2]])))
+
+    def _index(self) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
+        """Where angles (N, corners) and slacks (N, 3) stand in x."""
+        if self._columns is None:
+            both = [[np.arange(where.start, where.stop) for where in part] for part in (self._angles, self._slacks)]
+            self._columns = np.array(both[0]), np.array(both[1])
+        return self._columns
 
     def _view(self, pose: ca.SX, point: ca.SX) -> ca.SX:
         """How far, across the line of sight, the point is inside the left and right edge of the view, (2,) [m]."""
@@ -90,9 +145,7 @@ class AreaConstraints:
         return ca.vertcat(edge * x - y, edge * x + y)
 
     def _allowed_speed(self, pose: ca.SX, entrance: ca.SX) -> ca.SX:
-        """sqrt(v_bay^2 + 2 a (left)+): with `left` to go to the bay, the chair can still brake to the bay's limit."""
-        limits = self._chair.limits
-        braking = 2.0 * self._parameters.bay_deceleration * limits.a_max
+        """The largest speed [m/s] for a pose: see `allowed_speed`."""
         c, s = ca.cos(pose[2]), ca.sin(pose[2])
         forward = entrance[0] * c + entrance[1] * s  # cosine of the angle between the chair and the way into the bay
         sideways = entrance[1] * c - entrance[0] * s
@@ -100,11 +153,12 @@ class AreaConstraints:
         length = 0.5 * (self._chair.length_front + self._chair.length_rear)
         reach = front + length * _rounded_abs(forward) + 0.5 * self._chair.width * _rounded_abs(sideways)
         left = entrance[2] - ca.dot(entrance[:2], pose[:2]) - reach
-        smooth = 0.5 * (left + ca.sqrt(left**2 + _SOFTPLUS_WIDTH**2))
-        at_entrance = (
-            0.5 * _SOFTPLUS_WIDTH
-        )  # value of the smooth maximum at 0: taken off, so that the limit holds there
-        return ca.sqrt(limits.v_bay_max**2 + braking * (smooth - at_entrance))
+        return allowed_speed(left, self._chair.limits, self._parameters.bay_deceleration)
+
+
+def _softplus(value: ca.SX) -> ca.SX:
+    """A smooth max(0, value): w log(1 + exp(value / w)), in a form that does not overflow."""
+    return ca.fmax(value, 0.0) + _SOFTPLUS_WIDTH * ca.log1p(ca.exp(-ca.fabs(value) / _SOFTPLUS_WIDTH))
 
 
 def _rounded_abs(value: ca.SX) -> ca.SX:
@@ -131,3 +185,25 @@ def _separating_angle(footprint: ArrayLike, corner: Corner) -> float:
     normals = np.column_stack([np.cos(candidates), np.sin(candidates)])
     ahead = normals @ (np.asarray(footprint) - np.asarray(corner.point)).T
     return float(candidates[np.argmax(np.min(ahead, axis=1))])
+
+
+def _best_angle(corners: ca.SX, heading: ca.SX, first: ca.SX, last: ca.SX) -> ca.SX:
+    """The angle b in [first, last] with the largest min_i (cos b, sin b) . V_i, for the corners V (4, 2) seen from the point.
+
+    It is one of: the ends of the range, the direction of a corner, the direction across a side of the footprint.
+    """
+    begin, end = (ca.vertcat(ca.cos(angle), ca.sin(angle)) for angle in (first, last))
+    across = ca.vertcat(ca.cos(heading), ca.sin(heading))
+    along = ca.vertcat(-across[1], across[0])
+    directions = [corners[i, :].T / ca.sqrt(ca.sumsqr(corners[i, :]) + 1e-12) for i in range(4)]
+    best, room = begin, ca.mmin(corners @ begin)
+    for line in [end, *directions, across, -across, along, -along]:
+        inside = ca.fmin(_cross(begin, line), _cross(line, end)) >= 0.0
+        ahead = ca.if_else(inside, ca.mmin(corners @ line), -math.inf)
+        best = ca.if_else(ahead > room, line, best)
+        room = ca.fmax(ahead, room)
+    return ca.fmin(first + ca.acos(ca.fmax(-1.0, ca.fmin(1.0, ca.dot(begin, best)))), last)
+
+
+def _cross(a: ca.SX, b: ca.SX) -> ca.SX:
+    return a[0] * b[1] - a[1] * b[0]

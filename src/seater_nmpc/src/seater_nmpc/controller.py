@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import Chair, Dock
-from seater_common.se2 import compose, relative
+from seater_common.se2 import compose, relative, transform_points, wrap_angle
 from seater_nmpc.geometry import Areas, dock_areas
 from seater_nmpc.limits import clamp, in_bay
 from seater_nmpc.nlp import Plan, WarmStart
@@ -102,7 +102,9 @@ class DockingController:
         self.parameters = parameters or ControlParameters()
         self._areas = dock_areas(dock) if self.parameters.walls else None
         self._problem = make_problem(chair, self.parameters, self._areas)
-        self._solver = solver or make_solver(self._problem.functions, self.parameters)
+        self._solver = solver or make_solver(
+            self._problem.functions, self.parameters, self._problem.refinement, self._problem.curvature
+        )
         ipopt = self.parameters.ipopt
         self._limit = None if deterministic else ipopt.max_wall_time
         self._cold_limit = None if deterministic else ipopt.max_wall_time_cold
@@ -163,6 +165,7 @@ class DockingController:
         before = self._speeds_before(v, omega)
         T_dock_base = relative(dock_pose, pose)
         ahead = coasting_pose(pose, v, omega, self.parameters.prediction.motor_lag)
+        ahead = coasting_pose(ahead, *before, -self._problem.lead)
         state = np.concatenate([relative(compose(dock_pose, T_dock_target), ahead), before])
         areas = None if self._areas is None else self._areas.in_frame(T_dock_target)
         solution = self._solve(state, areas, stamp, T_dock_target)
@@ -232,7 +235,7 @@ class DockingController:
         if not np.array_equal(T_dock_target, self._plan_target):
             change = relative(T_dock_target, self._plan_target)
             heading = states[:, 2] + change[2]
-            states[:, :3] = [compose(change, pose) for pose in states[:, :3]]
+            states[:, :3] = _composed(change, states[:, :3])
             states[:, 2] = heading
         return WarmStart(self._problem.guess(states, areas, self._start.x), self._start.lam_x, self._start.lam_g)
 
@@ -262,8 +265,8 @@ class DockingController:
             solution.solve_time,
             solution.iterations,
             solution.cost,
-            plan.violation,
-            np.array([compose(target, pose) for pose in plan.states[:, :3]]),
+            max(plan.violation, solution.gap),
+            _composed(target, plan.states[:, :3]),
         )
 
     def _fall_back(self, stamp: float, solution: Solution | None, text: str, slow: bool = False) -> Command:
@@ -281,6 +284,12 @@ class DockingController:
         self._history.sent(stamp, v, omega)
         time, iterations = (0.0, 0) if solution is None else (solution.solve_time, solution.iterations)
         return Command(v, omega, status, self._solver.name, text, time, iterations)
+
+
+def _composed(T: Array, poses: Array) -> Array:
+    """compose(T, pose) for each row of `poses` (n, 3)."""
+    headings = [wrap_angle(heading) for heading in poses[:, 2] + T[2]]
+    return np.column_stack([transform_points(T, poses[:, :2]), headings])
 
 
 def _braked(before: tuple[float, float], change: float) -> tuple[float, float]:

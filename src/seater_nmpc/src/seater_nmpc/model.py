@@ -56,3 +56,27 @@ def augmented_step(z: ca.SX, u: ca.SX, step: float, integrator: str) -> ca.SX:
     else:
         raise ValueError(f"integrator: is {integrator!r}, must be one of arc, euler")
     return ca.vertcat(pose, speeds)
+
+
+def step_curvature(z: ca.SX, u: ca.SX, force: ca.SX, step: float, integrator: str) -> ca.SX:
+    """Convex part of the second derivative of force . (x, y) of the next state with respect to (z, u), shape (7, 7).
+
+    The next position is that of a chord of length h v in the direction phi (speeds and direction: linear in z and u, by
+    integrator). Of the 2 x 2 second derivative in (phi, v) the negative eigenvalue is left out; how the chord shortens
+    with the turning rate is neglected.
+    """
+    half = 0.0 if integrator == "euler" else 0.5 * step
+    J = ca.DM(2, STATE_SIZE + INPUT_SIZE)
+    J[0, 2], J[0, 4], J[0, 6] = 1.0, half, half**2
+    J[1, 3], J[1, 5] = 1.0, half
+    phi, v = ca.vertsplit(J @ ca.vertcat(z, u))
+    a = -step * v * (force[0] * ca.cos(phi) + force[1] * ca.sin(phi))
+    b = step * (force[1] * ca.cos(phi) - force[0] * ca.sin(phi))
+    middle, radius = 0.5 * a, ca.sqrt(0.25 * a**2 + b**2 + 1e-16)
+    high, low = ca.fmax(0.0, middle + radius), ca.fmax(0.0, middle - radius)
+    share = 0.5 * (high - low) / radius
+    mean = 0.5 * (high + low)
+    convex = ca.vertcat(
+        ca.horzcat(mean + share * (a - middle), share * b), ca.horzcat(share * b, mean - share * middle)
+    )
+    return ca.sparsify(J).T @ convex @ ca.sparsify(J)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from seater_common.geometry import Chair
 from seater_nmpc.constraints import AreaConstraints
 from seater_nmpc.geometry import Areas
-from seater_nmpc.model import augmented_step, euler_pose_step
+from seater_nmpc.model import augmented_step, euler_pose_step, step_curvature
 from seater_nmpc.nlp import Plan, ProblemData, StageProgramme
 from seater_nmpc.parameters import ControlParameters
 
@@ -27,22 +27,30 @@ _REVERSE_WIDTH = 0.02  # [m/s] over which the price of driving backward sets in
 class Problem:
     """What the formulations share; a subclass puts the programme together in `_build`.
 
-    `functions` is the programme for a solver. The trajectory handed in and out has rows (x, y, theta, v, omega).
+    `functions` is the programme for a solver, `refinement` what makes a linearised step honest and `curvature` what the
+    constraints add to the cost's Hessian, made convex (None: nothing). A trajectory, in and out,
+    has rows (x, y, theta, v, omega).
     """
 
     speeds_held = False  # whether the speeds of a row hold until the next one (else they change linearly)
+    lead = 0.0  # [s] by which what the chair drives is ahead of the prediction, see DockingProblem
 
     def __init__(self, chair: Chair, parameters: ControlParameters, areas: Areas | None) -> None:
         """`areas` fixes how many prohibited areas there are (None: free space), not where they are."""
         self._chair, self._parameters = chair, parameters
-        self._N, self._h = parameters.horizon, parameters.step
+        self._N, self._steps = parameters.horizon, step_lengths(parameters)
         self._z: list[slice] = []
         self._u: list[slice] = []
+        self._dynamics: list[int] = []  # rows of g in which the stages' dynamics begin
         programme = StageProgramme()
         self._areas = None if areas is None else AreaConstraints(chair, parameters, programme, areas)
         self._build(programme)
         self.functions = programme.functions()
+        self.refinement = self._make_refinement()
+        self.curvature = self._make_curvature()
         self._lower, self._upper = np.array(programme.lower), np.array(programme.upper)
+        self._columns = np.array([np.arange(where.start, where.stop) for where in self._z])
+        self._input_columns = np.array([np.arange(where.start, where.stop) for where in self._u])
         self._g_lower, self._g_upper = np.array(programme.g_lower), np.array(programme.g_upper)
         self._parameter_size = programme.parameter_size
 
@@ -69,7 +77,21 @@ class Problem:
     def plan(self, x: Array) -> Plan:
         """The trajectory in the variables x."""
         violation = 0.0 if self._areas is None else self._areas.violation(x)
-        return Plan(self._h * np.arange(self._N + 1), self._read_trajectory(x), violation, self.speeds_held)
+        return Plan(
+            np.concatenate([[0.0], np.cumsum(self._steps)]), self._read_trajectory(x), violation, self.speeds_held
+        )
+
+    def _make_refinement(self) -> ca.Function | None:
+        """(x, p, lbx, ubx) -> x with the best parting lines and the smallest sufficient slacks for its poses."""
+        if self._areas is None:
+            return None
+        x, p = self.functions["x"], self.functions["p"]
+        lower, upper = (ca.SX.sym(name, x.numel()) for name in ("lbx", "ubx"))
+        return ca.Function("refinement", [x, p, lower, upper], [self._areas.refinement(x, lower, upper)])
+
+    def _make_curvature(self) -> ca.Function | None:
+        """(x, p, lam_g) -> upper triangle of a positive semidefinite matrix in x."""
+        return None
 
     def _within_speed_limits(self, state: Array) -> Array:
         """The state with speeds inside the bounds, so that the problem is never infeasible from its first stage on."""
@@ -99,20 +121,27 @@ class DockingProblem(Problem):
     """Quadratic stage cost, exact L1 terminal penalty, acceleration limits, soft areas against the whole footprint.
 
     Variables in the order z0, u0, z1, areas1, u1, ..., zN, areasN, t with z = (x, y, theta, v, omega), u = (dv/dt, domega/dt).
+
+    The prediction's speeds are ramps; the chair holds each command r_k for a control period T from its beginning on, and so
+    drives T sum r_k = (ramps) + T/2 (r_n - r_0). Hence p - T/2 r moves as predicted, and the plan starts there (`lead` = T/2).
+    Euler steps of length h use the speed at a step's beginning, which is another h/2 late.
     """
 
     def _build(self, programme: StageProgramme) -> None:
-        h, low, high = self._h, *self._speed_bounds()
+        p = self._parameters
+        self.lead = 0.5 * p.control_period + (0.5 * float(self._steps[0]) if p.integrator == "euler" else 0.0)
+        low, high = self._speed_bounds()
         low, high = [-math.inf] * 3 + low, [math.inf] * 3 + high
         rate = [self._chair.limits.a_max, self._chair.limits.alpha_max]
         z, where = programme.variable("z0", low, high)
         self._z.append(where)
-        for k in range(self._N):
+        for k, h in enumerate(self._steps.tolist()):
             u, where = programme.variable(f"u{k}", [-r for r in rate], rate)
             self._u.append(where)
             programme.cost += h * self._stage_cost(z, u)
             z_next, where = programme.variable(f"z{k + 1}", low, high)
             self._z.append(where)
+            self._dynamics.append(len(programme.g_lower))
             programme.constrain(z_next - augmented_step(z, u, h, self._parameters.integrator), 0.0, 0.0)
             z = z_next
             if self._areas is not None:
@@ -134,18 +163,25 @@ class DockingProblem(Problem):
         programme.constrain(t + z[:3], 0.0, math.inf)
         programme.cost += w.terminal * (t[0] + t[1] + w.terminal_heading * t[2])
 
+    def _make_curvature(self) -> ca.Function | None:
+        x, p, size = self.functions["x"], self.functions["p"], self.functions["x"].numel()
+        lam_g, total = ca.SX.sym("lam_g", self.functions["g"].numel()), ca.SX(size, size)
+        for row, z, u, h in zip(self._dynamics, self._z[:-1], self._u, self._steps.tolist(), strict=True):
+            where = [*range(z.start, z.stop), *range(u.start, u.stop)]
+            force = -lam_g[row : row + 2]  # the constraint is z_next - F(z, u)
+            total[where, where] += step_curvature(x[z], x[u], force, h, self._parameters.integrator)
+        return ca.Function("curvature", [x, p, lam_g], [ca.triu(total)])
+
     def _initial(self, state: Array) -> Array:
         return self._within_speed_limits(state)
 
     def _write_trajectory(self, states: Array, x: Array) -> None:
-        for k, where in enumerate(self._z):
-            x[where] = states[k]
-        for k, where in enumerate(self._u):
-            x[where] = (states[k + 1, 3:] - states[k, 3:]) / self._h
+        x[self._columns] = states
+        x[self._input_columns] = np.diff(states[:, 3:], axis=0) / self._steps[:, None]
         x[self._terminal] = np.abs(states[-1, :3])
 
     def _read_trajectory(self, x: Array) -> Array:
-        return np.array([x[where] for where in self._z])
+        return x[self._columns]
 
 
 class PaperProblem(Problem):
@@ -160,36 +196,39 @@ class PaperProblem(Problem):
         w, free = self._parameters.paper, [math.inf] * 3
         pose, where = programme.variable("x0", [-math.inf] * 3, free)
         self._z.append(where)
-        for k in range(self._N):
+        for k, h in enumerate(self._steps.tolist()):
             u, where = programme.variable(f"u{k}", *self._speed_bounds())
             self._u.append(where)
             programme.cost += _paper_cost(pose, w.Q_position, w.Q_heading) + w.R_v * u[0] ** 2 + w.R_omega * u[1] ** 2
             following, where = programme.variable(f"x{k + 1}", [-math.inf] * 3, free)
             self._z.append(where)
-            programme.constrain(following - euler_pose_step(pose, u[0], u[1], self._h), 0.0, 0.0)
+            programme.constrain(following - euler_pose_step(pose, u[0], u[1], h), 0.0, 0.0)
             pose = following
             if self._areas is not None:
-                self._areas.add_stage(programme, pose, u[0], self._h)
+                self._areas.add_stage(programme, pose, u[0], h)
         programme.cost += _paper_cost(pose, w.P_position, w.P_heading)
 
     def _initial(self, state: Array) -> Array:
         return np.array(state[:3], dtype=float)
 
     def _write_trajectory(self, states: Array, x: Array) -> None:
-        for k, where in enumerate(self._z):
-            x[where] = states[k, :3]
-        for k, where in enumerate(self._u):
-            x[where] = states[k, 3:]
+        x[self._columns] = states[:, :3]
+        x[self._input_columns] = states[:-1, 3:]
 
     def _read_trajectory(self, x: Array) -> Array:
-        inputs = [x[where] for where in self._u]
-        return np.array([np.concatenate([x[z], u]) for z, u in zip(self._z, [*inputs, np.zeros(2)], strict=True)])
+        return np.hstack([x[self._columns], np.vstack([x[self._input_columns], np.zeros(2)])])
 
 
 def _paper_cost(pose: ca.SX, position: float, heading: float) -> ca.SX:
     F1 = ca.sumsqr(pose[:2])
     F2 = math.pi - ca.fabs(ca.fabs(pose[2]) - math.pi)
     return position * F1 + heading * F2
+
+
+def step_lengths(parameters: ControlParameters) -> Array:
+    """Length of each step of the prediction [s], (N,): the first `fine_steps` as long as the control period."""
+    fine = min(parameters.fine_steps, parameters.horizon)
+    return np.repeat([parameters.control_period, parameters.step], [fine, parameters.horizon - fine])
 
 
 def make_problem(chair: Chair, parameters: ControlParameters, areas: Areas | None) -> Problem:

@@ -23,6 +23,18 @@ class Weights:
     violation: float = param(500.0, "1/m", "price of a violated area or bay speed, linear and squared", low=1.0)
 
 
+def weight_set(name: str) -> Weights:
+    """`calm`: the defaults, quiet under noisy poses; `fast`: quicker and exact, several times louder under noise.
+
+    With a perfect state `fast` is most exact with `fine_steps` about half of the horizon: the plan's first steps are then
+    what the chair drives.
+    """
+    sets = {"calm": Weights(), "fast": Weights(speed=0.01, acceleration=0.001, reverse=0.0, terminal=10.0)}
+    if name not in sets:
+        raise ValueError(f"weight set: is {name!r}, must be one of {', '.join(sets)}")
+    return sets[name]
+
+
 @dataclass(frozen=True)
 class PaperWeights:
     """Cost of the formulation `paper`: F1 = |p - p_doc|^2, F2 = pi - ||phi - phi_doc| - pi| (design, section 5)."""
@@ -51,6 +63,30 @@ class IpoptParameters:
 
 
 @dataclass(frozen=True)
+class FatropParameters:
+    """Settings of the solver `fatrop`."""
+
+    tolerance: float = param(1e-4, "", "tolerance of convergence", low=1e-10, high=1e-2)
+    barrier: float = param(1e-2, "", "barrier parameter mu that a solve begins with", low=1e-11, high=1e3)
+    max_iterations: int = param(60, "", "iterations after which a solve is stopped", low=1, high=10000)
+
+
+@dataclass(frozen=True)
+class RtiParameters:
+    """Settings of the solver `rti`."""
+
+    iterations: int = param(
+        1, "", "quadratic programmes in every control cycle, as far as time allows", low=1, high=100
+    )
+    max_iterations: int = param(3, "", "the same at most, while a constraint is open", low=1, high=100)
+    feasibility: float = param(
+        1e-3, "m, rad, m/s, rad/s", "another one is solved while a constraint is open by more", low=1e-9, high=0.1
+    )
+    tolerance: float = param(1e-8, "", "tolerance of the quadratic programmes", low=1e-12, high=1e-2)
+    proximal: float = param(0.1, "1/rad^2", "weight that keeps the angles of the parting lines calm", low=1e-8)
+
+
+@dataclass(frozen=True)
 class Prediction:
     """What happens between a measurement and the time when the command computed from it acts."""
 
@@ -75,11 +111,12 @@ class ControlParameters:
     """The model predictive controller."""
 
     formulation: str = param("docking", "", "optimal control problem", choices=("docking", "paper"))
-    solver: str = param("ipopt", "", "solver", choices=("ipopt",))
+    solver: str = param("ipopt", "", "solver", choices=("ipopt", "ipopt_default", "fatrop", "rti"))
     integrator: str = param("arc", "", "prediction step; `paper` always takes euler", choices=("arc", "euler"))
     control_period: float = param(0.05, "s", "between two control cycles", low=0.01, high=0.5)
     horizon: int = param(30, "", "steps of the prediction (N)", low=5, high=200)
     step: float = param(0.1, "s", "length of a step (dt)", low=0.01, high=0.5)
+    fine_steps: int = param(0, "", "the first so many steps are as long as the control period", low=0, high=200)
     walls: bool = param(True, "", "whether the bay's walls and speed limit are constraints (false: free space)")
     margin: float = param(0.05, "m", "distance that the footprint keeps from every wall", low=0.0, high=0.5)
     bay_deceleration: float = param(
@@ -91,6 +128,8 @@ class ControlParameters:
     weights: Weights = field(default_factory=Weights)
     paper: PaperWeights = field(default_factory=PaperWeights)
     ipopt: IpoptParameters = field(default_factory=IpoptParameters)
+    fatrop: FatropParameters = field(default_factory=FatropParameters)
+    rti: RtiParameters = field(default_factory=RtiParameters)
     prediction: Prediction = field(default_factory=Prediction)
     fallback: Fallback = field(default_factory=Fallback)
 
