@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace seater_perception {
+
+/// The picture of one printed marker as cells: border and bits, black or white. Beyond it lies the white quiet zone.
+///
+/// Columns count from the left, rows from the bottom as the print is read, so that column and row grow with the marker
+/// frame's x and y (dock_layout.h). Cell (0, 0) is the lower left one of the black border.
+class MarkerPattern {
+ public:
+  /// Marker `id` of an OpenCV dictionary ("DICT_4X4_50"). Throws ConfigurationError for an unknown name or id.
+  static MarkerPattern fromDictionary(const std::string& dictionary, int id);
+  /// From cells given row by row from the top, 1 white, 0 black. Throws ConfigurationError when they are not a square
+  /// of 3 x 3 or more.
+  static MarkerPattern fromCells(const std::vector<std::vector<int>>& rows_from_top);
+
+  /// Cells along a side, the black border included.
+  int cells() const { return cells_; }
+  /// 1 white, 0 black. Every cell outside 0..cells()-1 is quiet zone, white; columns and rows from -1 to cells() only.
+  double at(int column, int row) const {
+    return values_[static_cast<std::size_t>((row + 1) * (cells_ + 2) + column + 1)];
+  }
+
+ private:
+  explicit MarkerPattern(int cells);
+
+  int cells_;
+  std::vector<double> values_;  // with a ring of quiet zone round it, row by row from the bottom
+};
+
+}  // namespace seater_perception

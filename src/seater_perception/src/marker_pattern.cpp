@@ -1,0 +1,47 @@
+#include "seater_perception/marker_pattern.h"
+
+#include <opencv2/aruco.hpp>
+
+#include "seater_perception/dock_layout.h"
+#include "seater_perception/errors.h"
+
+namespace seater_perception {
+
+MarkerPattern::MarkerPattern(int cells)
+    : cells_(cells), values_(static_cast<std::size_t>((cells + 2) * (cells + 2)), 1.0) {}
+
+MarkerPattern MarkerPattern::fromDictionary(const std::string& dictionary, int id) {
+  const auto known = cv::aruco::getPredefinedDictionary(dictionaryNumber(dictionary, "dictionary"));
+  const int count = known->bytesList.rows;
+  if (id < 0 || id >= count) {
+    throw ConfigurationError("id: is " + std::to_string(id) + ", must be 0 to " + std::to_string(count - 1) + " in " +
+                             dictionary);
+  }
+  cv::Mat picture;
+  known->drawMarker(id, known->markerSize + 2, picture, 1);  // one pixel per cell
+  std::vector<std::vector<int>> rows(static_cast<std::size_t>(picture.rows));
+  for (int row = 0; row < picture.rows; ++row) {
+    for (int column = 0; column < picture.cols; ++column) {
+      rows[static_cast<std::size_t>(row)].push_back(picture.at<uchar>(row, column) > 127 ? 1 : 0);
+    }
+  }
+  return fromCells(rows);
+}
+
+MarkerPattern MarkerPattern::fromCells(const std::vector<std::vector<int>>& rows_from_top) {
+  const std::size_t n = rows_from_top.size();
+  if (n < 3) throw ConfigurationError("cells: " + std::to_string(n) + " rows, must be 3 or more");
+  MarkerPattern pattern(static_cast<int>(n));
+  for (std::size_t row = 0; row < n; ++row) {
+    if (rows_from_top[row].size() != n) {
+      throw ConfigurationError("cells: row " + std::to_string(row) + " has " +
+                               std::to_string(rows_from_top[row].size()) + " columns, must have " + std::to_string(n));
+    }
+    for (std::size_t column = 0; column < n; ++column) {
+      pattern.values_[(n - row) * (n + 2) + column + 1] = rows_from_top[row][column] != 0 ? 1.0 : 0.0;
+    }
+  }
+  return pattern;
+}
+
+}  // namespace seater_perception

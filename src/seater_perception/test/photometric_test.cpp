@@ -1,0 +1,385 @@
+#include "seater_perception/photometric.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "photometric_scene.h"
+#include "seater_perception/errors.h"
+#include "seater_perception/marker_pose.h"
+#include "seater_perception/photometric_fit.h"
+#include "seater_perception/photometric_model.h"
+
+using namespace seater_perception;
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using photo_scene::View;
+using Vector6d = photo_scene::Vector6d;
+
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+std::vector<PatternPlacement> placementsOf(const View& view) {
+  std::vector<PatternPlacement> placements;
+  for (const auto& print : view.prints) {
+    placements.push_back({MarkerPattern::fromDictionary("DICT_4X4_50", print.id), print.size,
+                          view.pose.inverse() * print.T_optical_marker});
+  }
+  return placements;
+}
+
+PhotometricResult refine(const View& view, const cv::Mat& grey, const Isometry3d& seed,
+                         const PhotometricParameters& parameters = {}) {
+  return PhotometricRefiner(parameters).refine(grey, CameraModel::raw(view.camera), placementsOf(view), seed);
+}
+
+/// Finest picture there is: 16 bit without noise. Its grey levels are 200 times those of the view.
+cv::Mat fine(const cv::Mat& clean) {
+  cv::Mat result;
+  cv::Mat(clean * 200.0).convertTo(result, CV_16U);
+  return result;
+}
+
+/// Error sideways, and of the side seen because of a wrong distance, whichever is larger [px].
+double pixelError(const View& view, const Isometry3d& pose) {
+  const Vector6d e = photo_scene::errorOf(pose, view.pose);
+  const double f = view.camera.K[0], z = view.pose.translation().z();
+  return std::max(e.head<2>().norm() * f / z, view.prints[0].size * f / z * std::abs(e[2]) / z);
+}
+
+struct Statistics {
+  double rms = 0.0, nees = 0.0, bias = 0.0;  // [m], [-], [m] norm of the mean error
+  int converged = 0;
+};
+
+Statistics statistics(const View& view, const cv::Mat& clean, double noise, int seeds,
+                      const PhotometricParameters& p = {}) {
+  Statistics s;
+  std::mt19937 random(7);
+  Vector3d mean = Vector3d::Zero();
+  for (int i = 0; i < seeds; ++i) {
+    const auto result = refine(view, photo_scene::withNoise(clean, noise, static_cast<unsigned>(i)),
+                               photo_scene::seedNear(view, random), p);
+    if (!result.converged) continue;
+    ++s.converged;
+    const Vector6d e = photo_scene::errorOf(result.pose, view.pose);
+    s.rms += e.head<3>().squaredNorm();
+    s.nees += e.dot(result.covariance.inverse() * e);
+    mean += e.head<3>();
+  }
+  s.rms = std::sqrt(s.rms / s.converged);
+  s.nees /= s.converged;
+  s.bias = (mean / s.converged).norm();
+  return s;
+}
+
+/// Noise with rounding to whole grey levels.
+double rounded(double noise) {
+  return std::sqrt(noise * noise + 1.0 / 12.0);
+}
+
+}  // namespace
+
+TEST(MarkerPattern, CellsCountFromTheLowerLeft) {
+  const auto pattern = MarkerPattern::fromCells({{0, 1, 0}, {0, 0, 0}, {1, 0, 0}});
+  EXPECT_EQ(pattern.cells(), 3);
+  EXPECT_EQ(pattern.at(0, 0), 1.0);
+  EXPECT_EQ(pattern.at(1, 2), 1.0);
+  EXPECT_EQ(pattern.at(2, 2), 0.0);
+  for (int i = -1; i <= 3; ++i) {
+    EXPECT_EQ(pattern.at(-1, i), 1.0);
+    EXPECT_EQ(pattern.at(i, 3), 1.0);
+  }
+}
+
+TEST(MarkerPattern, RefusesWhatIsNotThere) {
+  EXPECT_EQ(MarkerPattern::fromDictionary("DICT_6X6_250", 249).cells(), 8);
+  EXPECT_THROW(MarkerPattern::fromDictionary("DICT_4X4_50", 50), ConfigurationError);
+  EXPECT_THROW(MarkerPattern::fromDictionary("DICT_4X4_50", -1), ConfigurationError);
+  EXPECT_THROW(MarkerPattern::fromDictionary("DICT_4", 0), ConfigurationError);
+  EXPECT_THROW(MarkerPattern::fromCells({{0, 0, 0}, {0, 0}, {0, 0, 0}}), ConfigurationError);
+}
+
+TEST(PhotometricModel, SmoothsAsNumericIntegrationDoes) {
+  const auto pattern = MarkerPattern::fromDictionary("DICT_4X4_50", 3);
+  double largest = 0.0;
+  for (const double rho : {0.0, 0.15, -0.35}) {
+    for (const auto& at : {Eigen::Vector2d(1.1, 0.95), Eigen::Vector2d(2.9, 3.05), Eigen::Vector2d(-0.1, 5.8)}) {
+      const double sx = 0.22, sy = 0.31;
+      double sum = 0.0, weights = 0.0;
+      for (double h = -5.0; h <= 5.0; h += 0.01) {
+        for (double k = -5.0; k <= 5.0; k += 0.01) {
+          const double w = std::exp(-0.5 * (h * h - 2.0 * rho * h * k + k * k) / (1.0 - rho * rho));
+          const auto cell = [&](double x) { return static_cast<int>(std::floor(std::clamp(x, -0.5, 6.5))); };
+          sum += w * pattern.at(cell(at.x() + h * sx), cell(at.y() + k * sy));
+          weights += w;
+        }
+      }
+      const double error = std::abs(smoothedPattern(pattern, at.x(), at.y(), sx, sy, rho).value - sum / weights);
+      largest = std::max(largest, error);
+    }
+  }
+  EXPECT_LT(largest, 2.5e-3);  // of which 2e-3 come from the sum's steps of 0.01 standard deviations
+}
+
+TEST(PhotometricModel, DerivativesAgreeWithDifferences) {
+  const auto pattern = MarkerPattern::fromDictionary("DICT_4X4_50", 0);
+  const double per_metre = 60.0;
+  const Isometry3d pose = scene::upright(Vector3d(0.05, -0.08, 1.1), 0.5, 0.3, 0.4);
+  const SpreadCovariance spread{0.9, 0.15, 0.6};
+  const auto value = [&](const Isometry3d& at, const SpreadCovariance& s, const PixelRay& ray) {
+    MarkerHit hit;
+    EXPECT_TRUE(MarkerPlane(at).hit(ray, s, hit));
+    return smoothedPattern(pattern, hit.x * per_metre + 3, hit.y * per_metre + 3, hit.sx * per_metre,
+                           hit.sy * per_metre, hit.rho)
+        .value;
+  };
+  double largest = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    const double u = 0.05 / 1.1 + 0.0045 * (i % 20 - 10), v = -0.08 / 1.1 + 0.0045 * (i / 20 - 10);
+    const PixelRay ray{u, v, 1.0 / 640.0, 1e-5, -2e-5, 1.0 / 630.0};
+    MarkerHit hit;
+    ASSERT_TRUE(MarkerPlane(pose).hit(ray, spread, hit));
+    const auto response = smoothedPattern(pattern, hit.x * per_metre + 3, hit.y * per_metre + 3, hit.sx * per_metre,
+                                          hit.sy * per_metre, hit.rho);
+    double motion[6], blur[3];
+    MarkerPlane(pose).derivativeByMotion(hit, response, per_metre, motion);
+    derivativeBySpread(hit, response, blur);
+    for (int k = 0; k < 9; ++k) {
+      const double step = k < 3 ? 1e-6 : 1e-5;
+      const auto at = [&](double sign) {
+        Isometry3d moved = pose;
+        SpreadCovariance s = spread;
+        if (k < 3)
+          moved.translation() += pose.linear().col(k) * sign * step;
+        else if (k < 6)
+          moved.linear() = pose.linear() * Eigen::AngleAxisd(sign * step, Vector3d::Unit(k - 3)).toRotationMatrix();
+        else
+          (k == 6 ? s.uu : k == 7 ? s.uv : s.vv) += sign * step;
+        return value(moved, s, ray);
+      };
+      const double numeric = (at(1.0) - at(-1.0)) / (2.0 * step), analytic = k < 6 ? motion[k] : blur[k - 6];
+      const double size = k < 3 ? 250.0 : k < 6 ? 12.0 : 0.2;  // what such a derivative amounts to
+      largest = std::max(largest, std::abs(numeric - analytic) / size);
+    }
+  }
+  EXPECT_LT(largest, 1e-3);
+}
+
+TEST(PhotometricModel, ClippedMeanIsTheMeanOfClippedNoise) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, 4.0);
+  for (const double mean : {-3.0, 1.0, 100.0, 252.0, 260.0}) {
+    double sum = 0.0, slope = 0.0;
+    for (int i = 0; i < 200000; ++i) sum += std::clamp(mean + noise(random), 0.0, 255.0);
+    EXPECT_NEAR(clippedMean(mean, 4.0, {0.0, 255.0}, slope), sum / 200000, 0.05);
+    double ignored = 0.0;
+    const double above = clippedMean(mean + 1e-4, 4.0, {0.0, 255.0}, ignored);
+    EXPECT_NEAR(slope, (above - clippedMean(mean - 1e-4, 4.0, {0.0, 255.0}, ignored)) / 2e-4, 1e-4);
+  }
+}
+
+TEST(Photometric, NoBiasWithoutNoise) {
+  std::mt19937 random(1);
+  for (const double tilt : {0.0, 30.0}) {
+    for (const double distance : {0.35, 1.0, 2.0, 2.8}) {
+      const View view = photo_scene::single(0.1, distance, tilt * kDegree, 0.4 * tilt * kDegree);
+      const auto result = refine(view, fine(photo_scene::clean(view)), photo_scene::seedNear(view, random));
+      ASSERT_TRUE(result.converged) << result.failure;
+      EXPECT_LT(pixelError(view, result.pose), 0.005) << distance << " m, " << tilt << " deg";  // measured: 0.001
+      EXPECT_NEAR(result.blur_sd, view.blur, 0.01);
+    }
+  }
+}
+
+TEST(Photometric, NoBiasWithNarrowBlurDistortionAndOtherNoise) {
+  std::mt19937 random(1);
+  View narrow = photo_scene::single(0.1, 2.0, 0.4);
+  narrow.blur = 0.3;
+  PhotometricParameters parameters;
+  parameters.blur_sd = 0.35;
+  const auto sharp =
+      refine(narrow, fine(photo_scene::clean(narrow)), photo_scene::seedNear(narrow, random, 0.2), parameters);
+  ASSERT_TRUE(sharp.converged) << sharp.failure;
+  EXPECT_LT(pixelError(narrow, sharp.pose), 0.01);
+  View lens = photo_scene::single(0.1, 0.6, 0.4);
+  lens.camera.D = {-0.25, 0.08, 0.001, -0.002, 0.0};
+  lens.pose.translation() += Vector3d(0.25, 0.12, 0.0);
+  lens.prints[0].T_optical_marker = lens.pose;
+  const auto bent = refine(lens, fine(photo_scene::clean(lens)), photo_scene::seedNear(lens, random));
+  ASSERT_TRUE(bent.converged) << bent.failure;
+  EXPECT_LT(pixelError(lens, bent.pose), 0.01);
+}
+
+TEST(Photometric, ErrorsReachTheCramerRaoBoundAndTheCovarianceSaysSo) {
+  struct Case {
+    double distance, tilt, noise;
+  };
+  const int seeds = 40;
+  for (const Case& c : {Case{0.6, 20.0, 2.0}, Case{1.0, 0.0, 3.0}, Case{2.0, 30.0, 2.0}, Case{2.8, 10.0, 3.0}}) {
+    const View view = photo_scene::single(0.1, c.distance, c.tilt * kDegree);
+    const auto s = statistics(view, photo_scene::clean(view), c.noise, seeds);
+    const double bound = photo_scene::cramerRao(view, rounded(c.noise), true, true).position();
+    printf("%.1f m %2.0f deg noise %.0f: rms %.4f mm, bound %.4f mm, NEES %.2f\n", c.distance, c.tilt, c.noise,
+           s.rms * 1e3, bound * 1e3, s.nees);
+    ASSERT_EQ(s.converged, seeds);
+    // The rms of 40 errors, mostly along one direction, scatters by 11 %: three times that.
+    EXPECT_LT(s.rms, 1.35 * bound);
+    EXPECT_GT(s.rms, 0.65 * bound);
+    // Mean of 40 chi-squares with 6 degrees of freedom, three standard deviations.
+    EXPECT_NEAR(s.nees, 6.0, 3.0 * std::sqrt(12.0 / seeds));
+  }
+}
+
+TEST(Photometric, OccludedThirdIsForgotten) {
+  const View view = photo_scene::single(0.1, 0.8, 0.3);
+  cv::Mat clean = photo_scene::clean(view);
+  const cv::Rect box = photo_scene::boxOf(view, view.prints[0], 1.6, 6);
+  clean(cv::Rect(box.x, box.y + box.height * 2 / 3, box.width, box.height - box.height * 2 / 3)).setTo(120.0);
+  const double bound = photo_scene::cramerRao(view, 2.0, true, true).position();
+  const auto robust = statistics(view, clean, 2.0, 20);
+  EXPECT_EQ(robust.converged, 20);
+  EXPECT_LT(robust.rms, 4.0 * bound);  // a third of the edges is missing, and that on one side
+  EXPECT_LT(robust.nees, 12.0);
+}
+
+TEST(Photometric, ClippedWhiteAndBlackDoNotPull) {
+  View view = photo_scene::single(0.1, 1.0, 0.3);
+  view.white = 270.0;
+  view.black = -8.0;
+  const auto s = statistics(view, photo_scene::clean(view), 3.0, 20);
+  ASSERT_EQ(s.converged, 20);
+  const double bound = photo_scene::cramerRao(view, 3.0, true, true).position();
+  EXPECT_LT(s.rms, 1.6 * bound);
+  EXPECT_LT(s.bias, 3.0 * 1.3 * bound / std::sqrt(20.0));
+}
+
+TEST(Photometric, GlareIsAnOutlier) {
+  const View view = photo_scene::single(0.1, 0.8, 0.3);
+  cv::Mat clean = photo_scene::clean(view);
+  const cv::Rect box = photo_scene::boxOf(view, view.prints[0], 0.0, 6);
+  cv::circle(clean, cv::Point(box.x + box.width / 3, box.y + box.height / 3), box.width / 6, cv::Scalar(400.0),
+             cv::FILLED);
+  const auto s = statistics(view, clean, 2.0, 20);
+  ASSERT_EQ(s.converged, 20);
+  EXPECT_LT(s.rms, 2.5 * photo_scene::cramerRao(view, 2.0, true, true).position());
+}
+
+TEST(Photometric, BlurGivenOrEstimated) {
+  View view = photo_scene::single(0.1, 2.0, 0.3);
+  view.blur = 1.1;
+  const cv::Mat grey = photo_scene::withNoise(photo_scene::clean(view), 2.0, 5);
+  std::mt19937 random(2);
+  const Isometry3d seed = photo_scene::seedNear(view, random);
+  PhotometricParameters given;
+  given.blur = "given";
+  given.blur_sd = 1.1;
+  given.noise_sd = rounded(2.0);
+  const auto right = refine(view, grey, seed, given);
+  given.blur_sd = 0.7;
+  const auto wrong = refine(view, grey, seed, given);
+  const auto estimated = refine(view, grey, seed);
+  ASSERT_TRUE(right.converged && wrong.converged && estimated.converged);
+  EXPECT_NEAR(estimated.blur_sd, 1.1, 0.03);
+  EXPECT_NEAR(right.reduced_chi_square, 1.0, 0.15);
+  EXPECT_GT(wrong.reduced_chi_square, 1.5);
+  EXPECT_LE(right.covariance(2, 2), estimated.covariance(2, 2) * 1.05);
+  EXPECT_NEAR(estimated.brightness[0].gain, 175.0, 4.0);
+  EXPECT_NEAR(estimated.brightness[0].offset, 40.0, 3.0);
+  EXPECT_NEAR(estimated.noise_sd, 2.0, 0.2);
+}
+
+TEST(Photometric, BrightnessThatChangesOverTheMarkerDoesNotPull) {
+  const View view = photo_scene::single(0.1, 0.6, 0.2);
+  cv::Mat clean = photo_scene::clean(view);
+  for (int y = 0; y < clean.rows; ++y) {
+    for (int x = 0; x < clean.cols; ++x) clean.at<double>(y, x) *= 1.0 + 0.001 * (x - 640);
+  }
+  const auto modelled = statistics(view, clean, 2.0, 10);
+  PhotometricParameters flat;
+  flat.illumination_slope = false;
+  const auto ignored = statistics(view, clean, 2.0, 10, flat);
+  EXPECT_LT(modelled.rms, 1.5 * photo_scene::cramerRao(view, 2.0, true, true).position());
+  EXPECT_GT(ignored.rms, 1.5 * modelled.rms);
+}
+
+TEST(Photometric, BundleOfTheDockReachesItsBound) {
+  View view;
+  view.pose = scene::dockSeenFrom(-0.7, 0.12, 0.1);
+  view.prints = scene::defaultPrints(view.pose);
+  const auto s = statistics(view, photo_scene::clean(view), 2.0, 15);
+  ASSERT_EQ(s.converged, 15);
+  const double bound = photo_scene::cramerRao(view, rounded(2.0), true, true).position();
+  printf("bundle: rms %.4f mm, bound %.4f mm, NEES %.2f\n", s.rms * 1e3, bound * 1e3, s.nees);
+  EXPECT_LT(s.rms, 1.6 * bound);
+  EXPECT_NEAR(s.nees, 6.0, 3.0 * std::sqrt(12.0 / 15));
+}
+
+TEST(Photometric, MotionBlurAlongOneDirection) {
+  View view = photo_scene::single(0.1, 1.0, 0.3);
+  view.motion = Eigen::Vector2d(5.0, 1.0);
+  view.samples = 4;
+  PhotometricParameters parameters;
+  parameters.blur = "directed";
+  std::mt19937 random(4);
+  const auto result = refine(view, photo_scene::withNoise(photo_scene::clean(view), 2.0, 1),
+                             photo_scene::seedNear(view, random), parameters);
+  ASSERT_TRUE(result.converged) << result.failure;
+  // A path of 5.1 px has a variance of 2.17 px^2 beside the 0.57 px^2 of lens and pixel: ratio of widths 2.19.
+  EXPECT_NEAR(result.blur_elongation, 2.19, 0.15);
+  EXPECT_LT(pixelError(view, result.pose), 0.06);
+}
+
+TEST(Photometric, ResidualsTellTheBranches) {
+  const View view = photo_scene::single(0.1, 1.5, 0.4);
+  const auto camera = CameraModel::raw(view.camera);
+  const cv::Mat grey = photo_scene::withNoise(photo_scene::clean(view), 3.0, 9);
+  Correspondences corners;
+  const auto pixels = scene::trueCorners(view.camera, view.prints[0]);
+  std::mt19937 random(5);
+  std::normal_distribution<double> n(0.0, 0.15);
+  for (std::size_t i = 0; i < 4; ++i) {
+    ASSERT_TRUE(corners.add(markerCorners(0.1)[i], pixels[i] + Eigen::Vector2d(n(random), n(random)), 0.15, camera));
+  }
+  const auto seeds = squareSolutions(corners);
+  ASSERT_EQ(seeds.size(), 2u);
+  const auto branches = refineBranches(PhotometricRefiner({}), grey, camera, placementsOf(view), {seeds[1], seeds[0]});
+  ASSERT_EQ(branches.size(), 2u);
+  int best = branches[0].weight > branches[1].weight ? 0 : 1;
+  const auto& chosen = branches[static_cast<std::size_t>(best)];
+  EXPECT_LT(photo_scene::errorOf(chosen.result.pose, view.pose).tail<3>().norm(), 1.0 * kDegree);
+  EXPECT_GT(chosen.weight, 0.99);
+  EXPECT_NEAR(branches[0].weight + branches[1].weight, 1.0, 1e-9);
+}
+
+TEST(Photometric, BadPicturesGiveNoPoseAndNothingNotFinite) {
+  const View view = photo_scene::single(0.1, 1.0, 0.3);
+  const auto check = [&](const cv::Mat& grey, const Isometry3d& seed, const char* what) {
+    const auto result = refine(view, grey, seed);
+    EXPECT_FALSE(result.converged) << what;
+    EXPECT_FALSE(result.failure.empty()) << what;
+    EXPECT_TRUE(result.covariance.allFinite() && std::isfinite(result.noise_sd + result.rms + result.cost)) << what;
+    EXPECT_EQ(result.brightness.size(), 1u);
+  };
+  const cv::Size size(view.camera.width, view.camera.height);
+  check(cv::Mat::zeros(size, CV_8U), view.pose, "black");
+  check(cv::Mat(size, CV_8U, cv::Scalar(255)), view.pose, "white");
+  check(photo_scene::withNoise(cv::Mat(size, CV_64F, cv::Scalar(128.0)), 3.0, 1), view.pose, "noise");
+  const cv::Mat good = photo_scene::withNoise(photo_scene::clean(view), 2.0, 1);
+  Isometry3d seed = view.pose;
+  seed.translation().z() = -1.0;
+  check(good, seed, "behind");
+  seed.translation() = Vector3d(5.0, 0.0, 1.0);
+  check(good, seed, "outside");
+  seed.translation().x() = std::nan("");
+  check(good, seed, "not a number");
+  cv::Mat inverted = 255 - good;
+  check(inverted, view.pose, "inverted");
+  EXPECT_THROW(refine(view, cv::Mat(size, CV_8UC3), view.pose), PictureError);
+  EXPECT_THROW(refine(view, cv::Mat(10, 10, CV_8U), view.pose), PictureError);
+  EXPECT_THROW(refine(view, cv::Mat(), view.pose), PictureError);
+  PhotometricParameters wrong;
+  wrong.blur = "guess";
+  EXPECT_THROW(PhotometricRefiner{wrong}, ConfigurationError);
+}
