@@ -1,4 +1,8 @@
 from catkin_pkg.python_setup import generate_distutils_setup
 from setuptools import setup
 
-setup(**generate_distutils_setup(packages=["seater_eval", "seater_eval.ros"], package_dir={"": "src"}))
+setup(
+    **generate_distutils_setup(
+        packages=["seater_eval", "seater_eval.baselines", "seater_eval.ros"], package_dir={"": "src"}
+    )
+)

@@ -1,0 +1,1 @@
+"""Other controllers for the same task, behind one interface, to compare with."""

@@ -1,0 +1,24 @@
+"""What the evaluation's commands share: their options and where config/ is."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+
+def make_parser(command: str, description: str | None) -> argparse.ArgumentParser:
+    """--config, --results and --quick; the caller adds its own."""
+    parser = argparse.ArgumentParser(prog=command, description=description)
+    parser.add_argument("--config", type=Path, help="folder like config/ (default: that of the package seater_config)")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder for JSON and picture (results)")
+    parser.add_argument("--quick", action="store_true", help="a small version for tests; its figures are no proof")
+    return parser
+
+
+def config_folder(options: argparse.Namespace) -> Path:
+    """The folder asked for, else that of seater_config. Raises rospkg.ResourceNotFound without the package."""
+    if options.config is not None:
+        return Path(options.config)
+    import rospkg
+
+    return Path(rospkg.RosPack().get_path("seater_config"))

@@ -1,0 +1,55 @@
+"""What a closed loop leaves behind, and the figures of it that the evaluation compares."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_common.geometry import Tolerance
+from seater_common.se2 import wrap_angle
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class Trajectory:
+    """One run. Rows belong together; the last row is the end."""
+
+    times: Array  # (n,) [s] from the start
+    poses: Array  # (n, 3) true pose of base_link in the dock's frame
+    speeds: Array  # (n, 2) true (v, omega)
+    commands: Array = field(default_factory=lambda: np.zeros((0, 2)))  # (m, 2) one a control cycle
+    cycle_times: Array = field(default_factory=lambda: np.zeros(0))  # (m,) wall time of the whole cycle [s]
+    cycle_cpu: Array = field(default_factory=lambda: np.zeros(0))  # (m,) its time on the processor, this thread [s]
+    solve_times: Array = field(default_factory=lambda: np.zeros(0))  # (m,) wall time in the solver [s]; 0 without one
+    failures: int = 0  # cycles without a usable solution
+
+    @property
+    def final_position_error(self) -> float:
+        """[m]"""
+        return math.hypot(self.poses[-1, 0], self.poses[-1, 1])
+
+    @property
+    def final_heading_error(self) -> float:
+        """[rad], not negative"""
+        return abs(wrap_angle(float(self.poses[-1, 2])))
+
+    def docking_time(self, tolerance: Tolerance) -> float | None:
+        """The time from which on the chair is within the tolerance until the end [s]; None when it never is."""
+        inside = within(self.poses, tolerance)
+        if not inside[-1]:
+            return None
+        outside = np.flatnonzero(~inside)
+        return float(self.times[outside[-1] + 1] if len(outside) else self.times[0])
+
+
+def within(poses: Array, tolerance: Tolerance) -> NDArray[np.bool_]:
+    """For each pose (n, 3) in the dock's frame, whether it is within the tolerance, (n,)."""
+    heading = np.abs(np.remainder(poses[:, 2] + math.pi, 2.0 * math.pi) - math.pi)
+    result: NDArray[np.bool_] = (np.hypot(poses[:, 0], poses[:, 1]) <= tolerance.position) & (
+        heading <= tolerance.heading
+    )
+    return result

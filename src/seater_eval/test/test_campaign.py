@@ -1,0 +1,219 @@
+import io
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from seater_common.geometry import clearance
+from seater_eval.bars import all_met
+from seater_eval.campaign_report import describe_campaign, draw_campaign
+from seater_eval.campaign_run import DockingRun, figures
+from seater_eval.controller_campaign import CampaignJob, campaign_bars, draw_cases, run_campaign_job, summarize_runs
+from seater_eval.docking_table import TABLE_II, table_bars
+from seater_eval.pose_noise import DockSensor, NoiseModel
+from seater_eval.setup_files import Setup, load_setup
+from seater_eval.solver_benchmark import benchmark_bars
+from seater_nmpc.controller import DockingController
+from seater_nmpc.measurement import Hypothesis
+
+CONFIG = Path(__file__).resolve().parents[3] / "config"
+
+
+@pytest.fixture(scope="module")
+def setup() -> Setup:
+    return load_setup(CONFIG)
+
+
+@pytest.fixture(scope="module")
+def sensor(setup: Setup) -> DockSensor:
+    return DockSensor(setup.chair, setup.dock, setup.camera)
+
+
+def test_markers_leave_the_view_to_the_side_and_behind(sensor: DockSensor) -> None:
+    assert sensor.in_view((-2.0, 0.0, 0.0)) == [0, 1, 2]
+    assert sensor.in_view((-2.0, 0.0, 0.7)) == [1]  # half the field of view is 45 degrees, marker 1 is to the left
+    assert sensor.in_view((-2.0, 0.0, 1.2)) == []
+    assert sensor.in_view((2.0, 0.0, math.pi)) == []  # seen from behind
+    assert sensor.visible((-6.0, 0.0, 0.0)) == [] and sensor.in_view((-6.0, 0.0, 0.0)) == [0, 1, 2]  # too small
+
+
+def error_of(hypothesis: Hypothesis, true: np.ndarray) -> np.ndarray:
+    T = hypothesis.T_optical_dock
+    turn = T[:3, :3] @ true[:3, :3].T
+    rotation = 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    return np.concatenate([T[:3, 3] - true[:3, 3], rotation])
+
+
+def test_noise_has_the_covariance_that_it_states(sensor: DockSensor) -> None:
+    """Normalised error squared, mean 6; 400 draws leave a standard deviation of sqrt(12 / 400) = 0.17."""
+    pose, rng = (-2.0, 0.3, -0.1), np.random.default_rng(2)
+    true, squares = sensor.T_optical_dock(pose), []
+    for _ in range(400):
+        (hypothesis,) = sensor.measure(pose, rng)
+        error = error_of(hypothesis, true)
+        squares.append(error @ np.linalg.solve(hypothesis.covariance, error))
+    assert np.mean(squares) == pytest.approx(6.0, abs=0.6)
+
+
+def test_noise_grows_with_distance_and_is_that_of_corner_pixels(setup: Setup, sensor: DockSensor) -> None:
+    near, far = (sensor.covariance(sensor.T_optical_dock((x, 0.0, 0.0)), [0, 1, 2]) for x in (-1.0, -3.0))
+    assert np.all(np.diag(far) > np.diag(near))
+    double = DockSensor(setup.chair, setup.dock, setup.camera, NoiseModel(corner_sigma=0.1, tilt_sigma=1e3))
+    single = DockSensor(setup.chair, setup.dock, setup.camera, NoiseModel(corner_sigma=0.05, tilt_sigma=1e3))
+    T = sensor.T_optical_dock((-2.0, 0.0, 0.0))
+    np.testing.assert_allclose(double.covariance(T, [0]), 4.0 * single.covariance(T, [0]), rtol=1e-4)
+
+
+def test_starts_are_as_stated_and_the_same_for_the_same_seed(setup: Setup, sensor: DockSensor) -> None:
+    cases = draw_cases(setup, 60, 3, NoiseModel(), obstacles=True)
+    assert cases[:20] == draw_cases(setup, 20, 3, NoiseModel(), obstacles=True)
+    assert len({case.seed for case in cases}) == 60
+    assert any(case.obstacles for case in cases)
+    for case in cases:
+        x, y, heading = case.start
+        assert -4.0 <= x <= -1.0 and abs(y) <= 1.5 and abs(heading) <= math.radians(60.0)
+        assert sensor.visible(case.start) and clearance(setup.chair, setup.dock.bay, case.start) >= 0.1
+
+
+def test_one_run_docks_and_comes_out_the_same_again(setup: Setup) -> None:
+    (case,) = draw_cases(setup, 1, 4, NoiseModel(), obstacles=False)
+    job = CampaignJob(str(CONFIG), case, "", NoiseModel())
+    first = run_campaign_job(job)
+    assert first["docked"] and first["collisions"] == 0, first
+    assert first["position_error_m"] < 0.01 and first["min_clearance_m"] > 0.0
+    assert first["minimum_time_s"] <= first["docking_time_s"]
+    assert first["certain_bound_s"] <= first["minimum_time_s"]
+    again = run_campaign_job(job)
+    np.testing.assert_array_equal(first["path"], again["path"])
+    data = {"summary": summarize_runs([first]), "runs": [first], "conditions": {"obstacles": "", "solver": ""}}
+    assert "1 of 1 docked" in describe_campaign(data)
+
+
+def test_a_chair_that_leaves_limits_and_view_is_caught(setup: Setup) -> None:
+    """The watch is fed by hand: too fast a request, a jump, and a chair that looks away."""
+    (case,) = draw_cases(setup, 1, 4, NoiseModel(), obstacles=False)
+    controller = DockingController(setup.chair, setup.dock, setup.parameters.control, deterministic=True)
+    run = DockingRun(setup, case, controller)
+    run._request(0.02, 0.0)
+    assert run.watch.excess_request <= 0.0
+    run._request(0.02, 0.2)  # 0.2 rad/s within a cycle
+    assert run.watch.excess_request == pytest.approx(0.2 - setup.chair.limits.alpha_max * run._period)
+    run._request(0.0, 0.0)  # standing may always be asked for
+    run._request(math.nan, 0.0)
+    assert run.watch.not_finite == 1
+    for _ in range(400):
+        run.simulator.command(0.0, 0.8)
+        run._observe(run.simulator.step())
+    assert run.watch.out_of_view > 0.5
+    for _ in range(100):
+        run.simulator.command(0.0, 0.0)
+        run.simulator.step()
+    trajectory = run.run(longest=0.05)
+    assert figures(run, trajectory, case)["limits_violated"]
+
+
+def synthetic_run(**changes: object) -> dict:
+    run = {
+        "index": 0,
+        "start": [-2.0, 0.0, 0.0],
+        "docked": True,
+        "result": "SUCCESS",
+        "text": "",
+        "retries": 0,
+        "docking_time_s": 12.0,
+        "minimum_time_s": 10.0,
+        "position_error_m": 0.001,
+        "heading_error_deg": 0.1,
+        "collisions": 0,
+        "min_clearance_m": 0.15,
+        "limits_violated": False,
+        "excess_speed": 0.0,
+        "excess_bay_speed": 0.0,
+        "excess_request": 0.0,
+        "started_in_view": True,
+        "out_of_view_s": 0.0,
+        "solver_failures": 0,
+        "solve_ms": 1.0,
+        "path": [[-2.0, 0.0, 0.0], [0.0, 0.0, 0.0]],
+    }
+    for law in ("park_kuipers", "pbvs"):
+        run[law] = {"docking_time_s": 14.0, "min_clearance_m": 0.1, "docked": True}
+    return run | changes
+
+
+@pytest.mark.parametrize(
+    ("changes", "bar"),
+    [
+        ({"docked": False, "result": "TIMEOUT"}, "not docked"),
+        ({"collisions": 1}, "collided"),
+        ({"limits_violated": True}, "limits violated"),
+        ({"position_error_m": 0.2}, "true position error, 95th percentile"),
+        ({"heading_error_deg": 3.0}, "true heading error, 95th percentile"),
+        ({"out_of_view_s": 0.6}, "markers out of view for more than 0.5 s"),
+    ],
+)
+def test_one_bad_run_in_ten_fails_its_bar_and_no_other(changes: dict, bar: str) -> None:
+    good = [synthetic_run() for _ in range(1000)]
+    assert all_met(campaign_bars({"summary": summarize_runs(good)}, quick=False))
+    bad = [*good[:900], *(synthetic_run(**changes) for _ in range(100))]
+    bars = campaign_bars({"summary": summarize_runs(bad)}, quick=False)
+    assert [b.name for b in bars if not b.met] == [bar]
+
+
+def test_slow_or_too_few_runs_fail() -> None:
+    slow = {"summary": summarize_runs([synthetic_run(docking_time_s=14.0) for _ in range(1000)])}
+    assert [b.name for b in campaign_bars(slow, False) if not b.met] == ["docking time / minimum time, median"]
+    few = {"summary": summarize_runs([synthetic_run() for _ in range(999)])}
+    assert [b.name for b in campaign_bars(few, False) if not b.met] == ["runs"]
+    unseen = {"summary": summarize_runs([synthetic_run(started_in_view=False, out_of_view_s=3.0)] * 1000)}
+    assert all_met(campaign_bars(unseen, False))  # only runs that started in view count
+
+
+def test_picture_of_the_campaign(tmp_path: Path, setup: Setup) -> None:
+    runs = [synthetic_run(), synthetic_run(docked=False, docking_time_s=None, minimum_time_s=None)]
+    data = {"summary": summarize_runs(runs), "runs": runs, "conditions": {"obstacles": "none", "solver": "x"}}
+    draw_campaign(data, setup.dock, setup.chair, tmp_path / "c.png")
+    assert (tmp_path / "c.png").stat().st_size > 10_000
+    assert "1 of 2 docked" in describe_campaign(data)
+
+
+def test_docking_table_judges_the_worst_pose() -> None:
+    runs = [{"position_error_m": 1e-7, "heading_error_deg": 1e-6} for _ in TABLE_II]
+    assert all_met(table_bars({"runs": {"seater": runs}}))
+    runs[2] = {"position_error_m": 1.1e-5, "heading_error_deg": 1e-6}
+    assert [bar.met for bar in table_bars({"runs": {"seater": runs}})] == [False, True]
+
+
+def benchmark_rows(**p99: float) -> dict:
+    rows = [
+        {"solver": name, "horizon": N, "solve_ms": {"median": N * value / 30.0, "p99": value}}
+        for name, value in p99.items()
+        for N in (20, 30, 80)
+    ]
+    missing = [name for name in ("rti", "fatrop") if name not in p99]
+    return {"rows": rows, "missing_solvers": missing, "available_solvers": list(p99)}
+
+
+def test_benchmark_bars_are_ratios_of_this_run() -> None:
+    assert all_met(benchmark_bars(benchmark_rows(rti=1.0, fatrop=3.1, ipopt_default=16.0)))
+    bars = benchmark_bars(benchmark_rows(rti=1.0, fatrop=2.9, ipopt_default=14.0))
+    assert [bar.met for bar in bars] == [False, False, True]
+    assert [bar.value for bar in bars] == pytest.approx([14.0, 2.9, 4.0])
+
+
+def test_a_missing_solver_leaves_its_bars_unmet_and_says_so() -> None:
+    bars = benchmark_bars(benchmark_rows(ipopt_default=16.0))
+    assert not any(bar.met for bar in bars)
+    assert all("not available: rti, fatrop" in bar.note for bar in bars)
+
+
+def test_progress_goes_where_it_is_sent() -> None:
+    from seater_eval.parallel import StepProgress
+    from seater_eval.progress import ProgressLine
+
+    stream = io.StringIO()
+    progress = StepProgress("steps", 1, ProgressLine(stream))
+    progress.done()
+    progress.end()
+    assert "steps" in stream.getvalue()
