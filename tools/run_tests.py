@@ -119,7 +119,9 @@ def pytests() -> Tally:
         name = f"pytest_{folder.parent.name}"
         report = OUTPUT / f"{name}.xml"
         report.unlink(missing_ok=True)
-        code, log = command(name, [sys.executable, "-m", "pytest", f"--junitxml={report}", str(folder.relative_to(ROOT))])
+        code, log = command(
+            name, [sys.executable, "-m", "pytest", f"--junitxml={report}", str(folder.relative_to(ROOT))]
+        )
         tally.add(junit(name, code, log, report))
     return tally
 
