@@ -89,11 +89,10 @@ def _draw_bay(axes: Axes, dock: Dock) -> None:
         )
         axes.annotate(
             f"id {marker.id}",
-            T[:2, 3],
-            xytext=(-7, 0),
+            (x + bay.wall_thickness, T[1, 3]),
+            xytext=(4, 0),
             textcoords="offset points",
             fontsize=8,
-            ha="right",
             va="center",
         )
 
