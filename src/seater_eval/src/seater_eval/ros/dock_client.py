@@ -8,7 +8,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from typing import Any
-from xmlrpc.client import ServerProxy
 
 import actionlib
 import rosgraph
@@ -17,6 +16,7 @@ from actionlib import CommState
 from actionlib_msgs.msg import GoalStatus
 from std_srvs.srv import SetBool
 
+from seater_eval.ros.connections import is_connected, links
 from seater_msgs.msg import DockAction, DockFeedback, DockGoal, DockResult
 
 
@@ -33,17 +33,6 @@ def wait_until(condition: Callable[[], bool], what: str, alive: Callable[[], boo
         if time.monotonic() > end:
             raise DockClientError(f"waited {timeout:.0f} s for {what}")
         time.sleep(0.02)
-
-
-def _is_connected(master: Any, publisher: str, topic: str, subscriber: str) -> bool:
-    """Whether the publisher has a connection to the subscriber, as the publisher says."""
-    if publisher in (rospy.get_name(), subscriber):
-        return True
-    try:
-        answer: Any = ServerProxy(master.lookupNode(publisher)).getBusInfo("dock_run")
-    except (OSError, rosgraph.MasterException):
-        return False
-    return any(link[1] == subscriber and link[2] == "o" and link[4] == topic for link in answer[2])
 
 
 class DockClient:
@@ -66,17 +55,13 @@ class DockClient:
         wait_until(lambda: all(e.get_num_connections() > 0 for e in ends), "the dock action", self._alive, timeout)
 
     def wait_for_recorder(self, node: str, timeout: float) -> None:
-        """Until `node` hears everything that is being published of what it subscribed to.
-
-        A subscription at the master is not enough: the connections to the publishers are made after it.
-        """
+        """Until `node` hears everything that is being published of what it subscribed to."""
         master = rosgraph.Master("dock_run")
 
         def recording() -> bool:
-            publishers, subscribers, _ = master.getSystemState()
-            wanted = {topic for topic, nodes in subscribers if node in nodes}
-            offered = {(publisher, topic) for topic, nodes in publishers if topic in wanted for publisher in nodes}
-            return bool(wanted) and all(_is_connected(master, *link, node) for link in offered)
+            wanted = links(master, subscriber=node)
+            others = [link for link in wanted if link[0] != rospy.get_name()]
+            return bool(wanted) and all(is_connected(master, *link) for link in others)
 
         wait_until(recording, f"{node} to hear everyone", self._alive, timeout)
 

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import rosbag
+import rosgraph
 import rospy
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
@@ -24,9 +25,11 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from seater_common.geometry import Chair, planar_pose, pose_matrix, rotation_matrix
 from seater_eval.recording import heading_of, pose_at
 from seater_eval.replay_log import CycleRow, PictureRow
+from seater_eval.ros.connections import is_connected, links
 from seater_msgs.msg import ControllerStatus, InputDone, MarkerDetectionArray
 
 ANSWER_TIMEOUT = 10.0  # [s] wall time
+ANSWERS = ("detections", "input_done", "controller_status")
 
 
 class ReplayError(RuntimeError):
@@ -131,6 +134,21 @@ class Replay:
                 # Time has to be above zero for some nodes to start.
                 self._clock.publish(rospy.Time.from_sec(max(0.001, self._bag.get_start_time())))
                 time.sleep(0.05)
+        self._wait_for_answering(end)
+
+    @staticmethod
+    def _wait_for_answering(end: float) -> None:
+        """Until what perception and docking node say is heard by everyone who listens."""
+        master = rosgraph.Master(rospy.get_name())
+        topics = [rospy.resolve_name(name) for name in ANSWERS]
+        while True:
+            wanted = links(master, topics=topics)
+            lacking = [link for link in wanted if not is_connected(master, *link)]
+            if {topic for _, topic, _ in wanted} == set(topics) and not lacking:
+                return
+            if time.monotonic() > end or rospy.is_shutdown():
+                raise ReplayError(f"not connected: {lacking or sorted(set(topics) - {t for _, t, _ in wanted})}")
+            time.sleep(0.05)
 
     def run(self) -> Iterator[float]:
         """Yields the share that is done, 0..1."""
