@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_eval.summary import spread
+
 Array = NDArray[np.float64]
 
 
@@ -76,7 +78,7 @@ def summarize_replay(
         "detection_rate": len(seen) / len(pictures) if pictures else 0.0,
         "longest_gap_s": _longest_gap([p.stamp for p in pictures], [p.stamp for p in seen]),
         "pose_jitter": _jitter(poses),
-        "perception_ms": _spread(processing),
+        "perception_ms": spread(processing),
         "shadow_controller": _shadow(cycles),
     }
 
@@ -138,15 +140,9 @@ def _shadow(cycles: Sequence[CycleRow]) -> dict[str, Any]:
     rms = np.sqrt(np.mean(compared**2, axis=0)) if len(compared) else None
     return {
         "cycles": len(cycles),
-        "solve_ms": _spread(np.array([c.solve_ms for c in cycles], dtype=float)),
+        "solve_ms": spread(np.array([c.solve_ms for c in cycles], dtype=float)),
         "v_max": float(np.max(np.abs(asked[:, 0]), initial=0.0)),
         "omega_max": float(np.max(np.abs(asked[:, 1]), initial=0.0)),
         "v_rms_difference": None if rms is None else float(rms[0]),
         "omega_rms_difference": None if rms is None else float(rms[1]),
     }
-
-
-def _spread(values: Array) -> dict[str, float]:
-    if values.size == 0:
-        return {"median": 0.0, "p99": 0.0, "max": 0.0}
-    return {"median": float(np.median(values)), "p99": float(np.percentile(values, 99)), "max": float(np.max(values))}

@@ -43,7 +43,7 @@ def summarize(recording: Recording, dock: Dock, chair: Chair) -> dict[str, Any]:
             "heading_deg": math.degrees(dock.tolerance.heading),
         },
         "duration_s": _duration(recording),
-        "solve_ms": {**_spread(1e3 * recording.control[:, 1]), "cycles": len(recording.control)},
+        "solve_ms": {**spread(1e3 * recording.control[:, 1]), "cycles": len(recording.control)},
         "perception": _perception(recording),
         "min_clearance_m": min(clearance(chair, dock.bay, pose) for pose in recording.truth[:, 1:4]),
         "max_speed": {
@@ -131,11 +131,11 @@ def _perception(recording: Recording) -> dict[str, Any]:
         "frames": len(pictures),
         "detected": int(np.sum(pictures[:, 2])),
         "rate_hz": (len(pictures) - 1) / span if span > 0.0 else 0.0,
-        "latency_ms": _spread(1e3 * pictures[:, 3]),
+        "latency_ms": spread(1e3 * pictures[:, 3]),
     }
 
 
-def _spread(values: ArrayLike) -> dict[str, float]:
+def spread(values: ArrayLike) -> dict[str, float]:
     """Median, 99th percentile and maximum; zeros when there is nothing to measure."""
     values = np.asarray(values, dtype=float)
     if values.size == 0:
