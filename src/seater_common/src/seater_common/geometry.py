@@ -122,6 +122,12 @@ class Bay:
         right = np.array([[near, -outer], [far, -outer], [far, -inner], [near, -inner]])
         return [left, right]
 
+    def outlines(self) -> list[Array]:
+        """Both side walls and the back wall, as `side_walls`."""
+        half, x = 0.5 * self.width + self.wall_thickness, self.back_wall_x
+        back = np.array([[x, -half], [x + self.wall_thickness, -half], [x + self.wall_thickness, half], [x, half]])
+        return [*self.side_walls(), back]
+
 
 @dataclass(frozen=True)
 class Tolerance:
@@ -229,7 +235,4 @@ def _vertex_distance(points: Array, polygon: Array) -> float:
 def clearance(chair: Chair, bay: Bay, T_dock_base: ArrayLike) -> float:
     """Smallest distance between the chair's footprint and the bay's walls [m]; negative when they overlap."""
     corners = chair.corners_at(T_dock_base)
-    half = 0.5 * bay.width + bay.wall_thickness
-    x = bay.back_wall_x
-    back = np.array([[x, -half], [x + bay.wall_thickness, -half], [x + bay.wall_thickness, half], [x, half]])
-    return min(polygon_distance(corners, wall) for wall in [*bay.side_walls(), back])
+    return min(polygon_distance(corners, wall) for wall in bay.outlines())

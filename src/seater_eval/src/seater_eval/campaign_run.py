@@ -15,6 +15,7 @@ from seater_eval.setup_files import Setup
 from seater_eval.trajectories import Trajectory
 from seater_nmpc.controller import DockingController
 from seater_nmpc.limits import in_bay
+from seater_nmpc.navigator import Navigator
 from seater_nmpc.observer import DockObserver
 from seater_nmpc.odometry import Odometry
 from seater_nmpc.results import Result
@@ -26,12 +27,6 @@ from seater_sim.simulator import Due, Simulator
 SLACK_SPEED = 1e-3  # [m/s, rad/s]
 SLACK_RATE = 1e-3  # [m/s^2, rad/s^2] times one period
 FAR = 0.6  # [m] farther from the dock than this, the markers have to stay in view
-
-
-def obstacles_supported() -> bool:
-    """Whether the controller takes obstacles at run time: DockingController.set_obstacles(list of convex polygons, (n, 2) [m]
-    each, anticlockwise, in the dock's frame)."""
-    return callable(getattr(DockingController, "set_obstacles", None))
 
 
 @dataclass(frozen=True)
@@ -59,19 +54,25 @@ class DockingRun:
     """Closes the loop as the docking node does: odometry and pictures in message time, a cycle every control period."""
 
     def __init__(
-        self, setup: Setup, case: Case, controller: DockingController, noise: NoiseModel | None = None
+        self,
+        setup: Setup,
+        case: Case,
+        controller: DockingController,
+        noise: NoiseModel | None = None,
+        navigator: Navigator | None = None,
     ) -> None:
+        """`navigator`: one that is used again, so that its search ahead of the bay is made once."""
         self.chair, self.dock = setup.chair, setup.dock
         obstacles = [*setup.simulator.obstacles, *(Obstacle(list(outline)) for outline in case.obstacles)]
         settings = replace(setup.simulator, obstacles=obstacles)
         self.simulator = Simulator(settings, setup.chair, setup.dock, None, case.start, seed=case.seed)
         self._controller = controller
         controller.reset()
-        if obstacles_supported():
-            outlines = [np.array(outline).reshape(-1, 2) for outline in case.obstacles]
-            controller.set_obstacles(outlines)  # type: ignore[attr-defined]
+        controller.set_obstacles([np.array(outline).reshape(-1, 2) for outline in case.obstacles])
         observer = DockObserver(setup.chair.camera, setup.parameters.observer)
-        self.sequence = DockingSequence(setup.chair, setup.dock, controller, observer, setup.parameters.sequence)
+        self.sequence = DockingSequence(
+            setup.chair, setup.dock, controller, observer, setup.parameters.sequence, navigator=navigator
+        )
         self._sensor = DockSensor(setup.chair, setup.dock, setup.camera, noise)
         self._rng = np.random.default_rng([case.seed, 7])
         self._period, self._cycle = setup.parameters.control.control_period, -1

@@ -18,13 +18,14 @@ from seater_eval.baselines.interface import PoseController
 from seater_eval.baselines.minimum_time import MinimumTime, straight_line_bound
 from seater_eval.baselines.park_kuipers import ParkKuipers
 from seater_eval.baselines.pbvs import Pbvs
-from seater_eval.campaign_run import Case, DockingRun, draw_start, figures, obstacles_supported
+from seater_eval.campaign_run import Case, DockingRun, draw_start, figures
 from seater_eval.closed_loop import run_perfect
 from seater_eval.parallel import job_seed, run_jobs
 from seater_eval.pose_noise import DockSensor, NoiseModel
 from seater_eval.setup_files import Setup, load_setup
 from seater_eval.trajectories import Array
 from seater_nmpc.controller import DockingController
+from seater_nmpc.navigator import Navigator
 
 OUT_OF_VIEW = 0.5  # [s] longest time without a marker in view
 _KEEP_EVERY = 10  # rows of the trajectory between two points of the picture
@@ -41,7 +42,7 @@ class CampaignJob:
 
 
 @functools.lru_cache(maxsize=2)
-def _tools(config: str, solver: str) -> tuple[Setup, DockingController, MinimumTime]:
+def _tools(config: str, solver: str) -> tuple[Setup, DockingController, Navigator, MinimumTime]:
     """Made once in each process. No wall-time limit: a loaded machine decides the same."""
     setup = load_setup(config)
     if solver:
@@ -49,13 +50,14 @@ def _tools(config: str, solver: str) -> tuple[Setup, DockingController, MinimumT
         setup = dataclasses.replace(setup, parameters=dataclasses.replace(setup.parameters, control=control))
     controller = DockingController(setup.chair, setup.dock, setup.parameters.control, deterministic=True)
     controller.warm_up()
-    return setup, controller, MinimumTime(setup.chair, setup.dock, setup.dock.tolerance)
+    navigator = Navigator(setup.chair, setup.dock, setup.parameters.control, setup.parameters.planner)
+    return setup, controller, navigator, MinimumTime(setup.chair, setup.dock, setup.dock.tolerance)
 
 
 def run_campaign_job(job: CampaignJob) -> dict[str, Any]:
     """The docking, the bound for its time, and the feedback laws from the same start."""
-    setup, controller, minimum = _tools(job.config, job.solver)
-    run = DockingRun(setup, job.case, controller, job.noise)
+    setup, controller, navigator, minimum = _tools(job.config, job.solver)
+    run = DockingRun(setup, job.case, controller, job.noise, navigator)
     trajectory = run.run()
     result = figures(run, trajectory, job.case)
     bound = minimum.solve(job.case.start)
@@ -126,7 +128,7 @@ def run_campaign(
 ) -> dict[str, Any]:
     """All runs, in the order of their index."""
     setup, noise = load_setup(config), noise or NoiseModel()
-    cases = draw_cases(setup, runs, seed, noise, obstacles_supported())
+    cases = draw_cases(setup, runs, seed, noise, True)
     jobs = [CampaignJob(str(config), case, solver, noise) for case in cases]
     results = run_jobs(run_campaign_job, jobs, workers=workers, label="controller_campaign")
     conditions = {
@@ -135,7 +137,7 @@ def run_campaign(
         "odometry": dataclasses.asdict(setup.simulator.odometry),
         "pictures": {"rate_hz": setup.simulator.camera.rate, "latency_s": setup.simulator.camera.latency},
         "pose_noise": dataclasses.asdict(noise),
-        "obstacles": "random" if obstacles_supported() else "none: the controller takes none yet",
+        "obstacles": "up to two random convex polygons, clear of the start, the bay and the lane into it",
         "solver": solver or setup.parameters.control.solver,
         "formulation": setup.parameters.control.formulation,
         "docking_time": "from the goal until the true pose stays within the tolerance",

@@ -13,6 +13,7 @@ from seater_common.geometry import Chair, Limits
 from seater_nmpc.geometry import Areas, Corner
 from seater_nmpc.nlp import StageProgramme
 from seater_nmpc.parameters import ControlParameters
+from seater_nmpc.separation import Lines, footprints, nearest, parting_lines
 
 Array = NDArray[np.float64]
 
@@ -20,6 +21,10 @@ Array = NDArray[np.float64]
 # the entrance [m]. Sharper, and full steps across the bend do not settle.
 _SOFTPLUS_WIDTH = 0.06
 _SOFTPLUS_SHIFT = 3.0 * _SOFTPLUS_WIDTH
+_NO_LINE = -1.0  # [m] offset, beside a normal of zero, of a line that constrains nothing
+_LINE_SIZE = (
+    7  # parameters of a line: normal, offset, and the two corners of the footprint (in base_link) nearest to it
+)
 _ROUNDING = 0.02  # [-] rounding of |sin| and |cos| in the reach of the footprint: slows down up to 10 mm early
 
 
@@ -47,6 +52,9 @@ class AreaConstraints:
 
     Per stage: one angle for each obstacle corner (the line that parts it from the chair) and three slacks, of the areas [m],
     of the bay's speed [m/s] and of the field of view [m], each at an exact price, so that nothing is ever infeasible.
+
+    Polygons that come at run time are kept clear of by lines that are given with each instance, for every stage the nearest
+    `max_obstacles` (see `obstacle_lines`): they cost no variables, and a plan that keeps them is clear of the polygons.
     """
 
     def __init__(self, chair: Chair, parameters: ControlParameters, programme: StageProgramme, areas: Areas) -> None:
@@ -58,6 +66,8 @@ class AreaConstraints:
         self._stages: list[_Stage] = []
         self._columns: tuple[NDArray[np.int_], NDArray[np.int_]] | None = None
         self._p, self._where = programme.parameter("areas", _area_vector(areas).size)
+        self._slots = parameters.max_obstacles
+        self._lines, self._lines_where = programme.parameter("lines", _LINE_SIZE * self._slots * parameters.horizon)
 
     def add_stage(self, programme: StageProgramme, pose: ca.SX, v: ca.SX, step: float) -> None:
         """Constrain the footprint at the pose (3,) and the speed v there."""
@@ -71,6 +81,7 @@ class AreaConstraints:
         lines = [ca.vertcat(ca.cos(angles[i]), ca.sin(angles[i])) for i in range(self._corners)]
         area = [planes[2, i] - margin - footprint @ planes[:2, i] for i in range(self._half_planes)]
         area += [footprint @ line - ca.dot(line, points[:, i]) - margin for i, line in enumerate(lines)]
+        area += [room - margin for room in self._obstacle_rooms(pose)]
         allowed = self._allowed_speed(pose, entrance)
         speed, sight = ca.vertcat(allowed - v, allowed + v), self._view(pose, view)
         for i, rooms in enumerate((area, [speed], [sight])):
@@ -79,6 +90,18 @@ class AreaConstraints:
         programme.cost += step * price * (ca.sum1(slack[:2]) + ca.sumsqr(slack[:2]))
         programme.cost += step * self._parameters.weights.view * (slack[2] + slack[2] ** 2)
         self._stages.append(_Stage(pose[2], footprint, angles, [ca.vertcat(*area), speed, sight]))
+
+    def _obstacle_rooms(self, pose: ca.SX) -> list[ca.SX]:
+        """How far the footprint's two nearest corners are ahead of each line of the stage that is being added [m]."""
+        c, s = ca.cos(pose[2]), ca.sin(pose[2])
+        rooms, size, stage = [], _LINE_SIZE, len(self._stages)
+        for slot in range(self._slots):
+            at = size * (stage * self._slots + slot)
+            line = self._lines[at : at + size]
+            for corner in (line[3:5], line[5:7]):
+                x, y = pose[0] + c * corner[0] - s * corner[1], pose[1] + s * corner[0] + c * corner[1]
+                rooms.append(line[0] * x + line[1] * y - line[2])
+        return rooms
 
     def refinement(self, x: ca.SX, lower: ca.SX, upper: ca.SX) -> ca.SX:
         """The variables x with, for the poses in them, the best parting lines and the smallest sufficient slacks.
@@ -99,18 +122,42 @@ class AreaConstraints:
         return x
 
     def _instance(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-        """Half-planes (3, n), corners (2, m), entrance (3,) and view (2,) out of the parameters."""
+        """Half-planes (3, n), corners (2, m), entrance (3,) and view (4,) out of the parameters."""
         end = 3 * self._half_planes + 2 * self._corners
         planes = ca.reshape(self._p[: 3 * self._half_planes], 3, self._half_planes)
         points = ca.reshape(self._p[3 * self._half_planes : end], 2, self._corners)
         return planes, points, self._p[end : end + 3], self._p[end + 3 :]
 
-    def set_instance(self, areas: Areas, p: Array, lower: Array, upper: Array) -> None:
-        """Write where the areas are into the parameters and the bounds."""
+    def set_instance(self, areas: Areas, p: Array, lower: Array, upper: Array, lines: Array | None = None) -> None:
+        """Write where the areas and the `obstacle_lines` are into the parameters and the bounds."""
         p[self._where] = _area_vector(areas)
+        p[self._lines_where] = np.ravel(self._no_lines() if lines is None else lines)
         columns, _ = self._index()
         lower[columns] = [corner.first for corner in areas.corners]
         upper[columns] = [corner.last for corner in areas.corners]
+
+    def _no_lines(self) -> Array:
+        """Lines that constrain nothing, (N, slots, 7)."""
+        lines = np.zeros((self._parameters.horizon, self._slots, _LINE_SIZE))
+        lines[:, :, 2] = _NO_LINE
+        return lines
+
+    def obstacle_lines(self, polygons: list[Array], states: Array) -> Array:
+        """Parameters of the lines that part the footprint, at the states of the stages 1..N, from the nearest polygons.
+
+        `polygons`: convex, anticlockwise, (n, 2) each, in the frame of `states` (N + 1, >= 3). Shape (N, slots, 7).
+        """
+        result, corners = self._no_lines(), self._chair.corners()
+        if not polygons or self._slots == 0:
+            return result
+        shapes = footprints(corners, states[1:])
+        lines: Lines = nearest(parting_lines(shapes, polygons), self._slots)
+        count = lines.offsets.shape[1]
+        ahead = lines.normals @ shapes.transpose(0, 2, 1)  # (N, count, 4)
+        two = np.argsort(ahead, axis=2, kind="stable")[:, :, :2]
+        result[:, :count, :2], result[:, :count, 2] = lines.normals, lines.offsets
+        result[:, :count, 3:] = corners[two].reshape(len(shapes), count, 4)
+        return result
 
     def guess(self, areas: Areas, states: Array, x: Array) -> None:
         """Write angles that part the areas from the poses of the stages 1..N, `states` (N + 1, >= 3), into x."""
@@ -134,15 +181,20 @@ class AreaConstraints:
             self._columns = np.array(both[0]), np.array(both[1])
         return self._columns
 
-    def _view(self, pose: ca.SX, point: ca.SX) -> ca.SX:
-        """How far, across the line of sight, the point is inside the left and right edge of the view, (2,) [m]."""
-        mount, edge = self._chair.camera, math.tan(self._parameters.view_half_angle)
-        c, s = ca.cos(pose[2]), ca.sin(pose[2])
+    def _view(self, pose: ca.SX, points: ca.SX) -> ca.SX:
+        """How far, across the line of sight, the right point is inside the left edge of the view, and the left point inside
+        the right edge, (2,) [m]: then one of them is in view, as far as they fit into it."""
+        edge = math.tan(self._parameters.view_half_angle)
+        (x_left, y_left), (x_right, y_right) = (self._in_camera(pose, points[i : i + 2]) for i in (0, 2))
+        return ca.vertcat(edge * x_right - y_right, edge * x_left + y_left)
+
+    def _in_camera(self, pose: ca.SX, point: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """The point ahead of the camera and to its left [m]."""
+        mount, c, s = self._chair.camera, ca.cos(pose[2]), ca.sin(pose[2])
         dx, dy = point[0] - pose[0], point[1] - pose[1]
         x, y = c * dx + s * dy - mount.x, c * dy - s * dx - mount.y
         cm, sm = math.cos(mount.yaw), math.sin(mount.yaw)
-        x, y = cm * x + sm * y, cm * y - sm * x
-        return ca.vertcat(edge * x - y, edge * x + y)
+        return cm * x + sm * y, cm * y - sm * x
 
     def _allowed_speed(self, pose: ca.SX, entrance: ca.SX) -> ca.SX:
         """The largest speed [m/s] for a pose: see `allowed_speed`."""
@@ -176,7 +228,7 @@ def _area_vector(areas: Areas) -> Array:
     """Parameters: (normal, offset) of each half-plane, (x, y) of each corner, (normal, offset) of the entrance, view."""
     planes = [[math.cos(plane.angle), math.sin(plane.angle), plane.offset] for plane in areas.half_planes]
     entrance = [math.cos(areas.entrance.angle), math.sin(areas.entrance.angle), areas.entrance.offset]
-    return np.concatenate([*planes, *[corner.point for corner in areas.corners], entrance, areas.view])
+    return np.concatenate([*planes, *[corner.point for corner in areas.corners], entrance, *areas.view])
 
 
 def _separating_angle(footprint: ArrayLike, corner: Corner) -> float:

@@ -11,21 +11,23 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import Chair, Dock
-from seater_common.se2 import compose, relative, transform_points, wrap_angle
+from seater_common.se2 import compose, inverse, relative, transform_points, wrap_angle
 from seater_nmpc.geometry import Areas, dock_areas
 from seater_nmpc.limits import clamp, in_bay
 from seater_nmpc.nlp import Plan, WarmStart
 from seater_nmpc.ocp import make_problem
 from seater_nmpc.parameters import ControlParameters
 from seater_nmpc.prediction import CommandHistory, coasting_pose
+from seater_nmpc.separation import convex_outline
 from seater_nmpc.solver import Solution, Solver, SolveStatus, make_solver
 
 Array = NDArray[np.float64]
-Target = str | Sequence[float]
+Target = str | Sequence[float] | Array
 
 _SPEED_MISMATCH = (
     0.05  # [m/s, rad/s] by which the measured speed may differ from the commanded one beside what lag explains
 )
+_COLD_ROUNDS = 4  # solves of a cold start among obstacles, each with the lines that part the last one's plan from them
 _RESTART_AFTER = 3  # failed solves in a row after which the warm start is thrown away
 
 
@@ -112,6 +114,7 @@ class DockingController:
         self._history = CommandHistory(self.parameters.prediction)
         self.counters = Counters()
         self._clock = 0.0
+        self._obstacles: list[Array] = []
         self.reset()
 
     def reset(self) -> None:
@@ -128,6 +131,25 @@ class DockingController:
     def reset_commands(self) -> None:
         """Forget the commands but keep the plan: the next plan begins with the measured speed."""
         self._history.clear()
+
+    @property
+    def obstacles(self) -> list[Array]:
+        """What `set_obstacles` was given last, as convex anticlockwise outlines (n, 2) in the dock's frame [m]."""
+        return self._obstacles
+
+    def set_obstacles(self, polygons: Sequence[ArrayLike]) -> None:
+        """Obstacles to keep clear of from now on (an empty list: none), each by its corners (n, 2) in the dock's frame [m].
+
+        The convex hull of the corners counts. They hold until the next call. Without walls in the problem (`walls: false`)
+        there are no areas at all, and obstacles are refused.
+
+        Raises:
+            ValueError: a polygon is not finite or has no area, or the problem has no areas; what held before still holds.
+        """
+        outlines = [convex_outline(polygon) for polygon in polygons]
+        if outlines and self._areas is None:
+            raise ValueError("control/walls: is false, must be true for obstacles to be kept clear of")
+        self._obstacles = outlines
 
     def warm_up(self) -> None:
         """Solve once cold and once warm, so that no cycle pays for loading the solver."""
@@ -206,8 +228,14 @@ class DockingController:
             states = np.repeat(state[None, :], self.parameters.horizon + 1, axis=0)
             states[:, 3:] = 0.0
             start = WarmStart(self._problem.guess(states, areas))
+        outlines = [transform_points(inverse(T_dock_target), outline) for outline in self._obstacles]
         limit = self._cold_limit if cold else self._limit
-        solution = self._solver.solve(self._problem.data(state, areas), start, limit)
+        for _ in range(_COLD_ROUNDS if cold and outlines else 1):
+            lines = self._problem.obstacle_lines(outlines, self._problem.states(start.x))
+            solution = self._solver.solve(self._problem.data(state, areas, lines), start, limit)
+            if not self._usable(solution):
+                break
+            start = WarmStart(solution.x)
         if self._usable(solution):
             self._unfinished = None
             self._start, self._plan = solution.warm_start(), self._problem.plan(solution.x)

@@ -45,7 +45,8 @@ class Areas:
     half_planes: tuple[HalfPlane, ...]
     corners: tuple[Corner, ...]
     entrance: HalfPlane
-    view: tuple[float, float] = (0.0, 0.0)  # point that the camera is to keep in view: the middle of the markers [m]
+    # The leftmost and the rightmost marker (of whoever comes): one of them at least is to stay in the camera's view [m].
+    view: tuple[tuple[float, float], tuple[float, float]] = ((0.0, 0.0), (0.0, 0.0))
 
     def in_frame(self, pose: ArrayLike) -> Areas:
         """The same areas seen from the frame that has this pose (x, y, heading)."""
@@ -54,21 +55,23 @@ class Areas:
             tuple(_plane_in(change, plane) for plane in self.half_planes),
             tuple(_corner_in(change, corner) for corner in self.corners),
             _plane_in(change, self.entrance),
-            _point_in(change, self.view),
+            (_point_in(change, self.view[0]), _point_in(change, self.view[1])),
         )
 
 
 def dock_areas(dock: Dock) -> Areas:
-    """The bay's walls and the middle of the markers, in the dock's frame.
+    """The bay's walls and the outermost markers, in the dock's frame.
 
     Each side wall is taken with everything behind its end face and its inner face (the chair comes from the open side),
     so that one corner stands for it.
     """
-    bay, middle = dock.bay, np.mean([marker.position for marker in dock.markers], axis=0)
+    bay = dock.bay
+    aside = sorted((marker.position[1], marker.position[0]) for marker in dock.markers)
+    view = (aside[-1][1], aside[-1][0]), (aside[0][1], aside[0][0])
     x, half = bay.entrance_x, 0.5 * bay.width
     left = Corner((x, half), first=-math.pi, last=-0.5 * math.pi)
     right = Corner((x, -half), first=0.5 * math.pi, last=math.pi)
-    return Areas((HalfPlane(0.0, bay.back_wall_x),), (left, right), HalfPlane(0.0, x), (middle[0], middle[1]))
+    return Areas((HalfPlane(0.0, bay.back_wall_x),), (left, right), HalfPlane(0.0, x), view)
 
 
 def _plane_in(change: Array, plane: HalfPlane) -> HalfPlane:

@@ -54,13 +54,14 @@ class Problem:
         self._g_lower, self._g_upper = np.array(programme.g_lower), np.array(programme.g_upper)
         self._parameter_size = programme.parameter_size
 
-    def data(self, state: Array, areas: Areas | None) -> ProblemData:
-        """The instance for the initial state (x, y, theta, v, omega) and the areas, all in the target's frame."""
+    def data(self, state: Array, areas: Areas | None, lines: Array | None = None) -> ProblemData:
+        """The instance for the initial state (x, y, theta, v, omega), the areas and the `lines` of obstacles, all in the
+        target's frame."""
         lower, upper = self._lower.copy(), self._upper.copy()
         lower[self._z[0]] = upper[self._z[0]] = self._initial(state)
         p = np.zeros(self._parameter_size)
         if self._areas is not None and areas is not None:
-            self._areas.set_instance(areas, p, lower, upper)
+            self._areas.set_instance(areas, p, lower, upper, lines)
         return ProblemData(p, lower, upper, self._g_lower, self._g_upper)
 
     def guess(self, states: Array, areas: Areas | None, old: Array | None = None) -> Array:
@@ -73,6 +74,14 @@ class Problem:
             else:
                 self._areas.carry_over(old, x)
         return x
+
+    def obstacle_lines(self, polygons: list[Array], states: Array) -> Array | None:
+        """Lines that part the chair, driving along the trajectory `states`, from polygons in the target's frame."""
+        return None if self._areas is None else self._areas.obstacle_lines(polygons, states)
+
+    def states(self, x: Array) -> Array:
+        """The trajectory (N + 1, 5) in the variables x."""
+        return self._read_trajectory(x)
 
     def plan(self, x: Array) -> Plan:
         """The trajectory in the variables x."""

@@ -119,6 +119,9 @@ class ControlParameters:
     fine_steps: int = param(0, "", "the first so many steps are as long as the control period", low=0, high=200)
     walls: bool = param(True, "", "whether the bay's walls and speed limit are constraints (false: free space)")
     margin: float = param(0.05, "m", "distance that the footprint keeps from every wall", low=0.0, high=0.5)
+    max_obstacles: int = param(
+        2, "", "obstacles at run time that each step of the plan keeps clear of, the nearest ones", low=0, high=10
+    )
     bay_deceleration: float = param(
         0.6, "", "share of a_max with which the speed falls to the bay's limit ahead of the bay", low=0.05, high=1.0
     )
@@ -169,6 +172,32 @@ class ObserverParameters:
         high=1.6,
     )
     max_height: float = param(0.5, "m", "height of the dock's origin above the floor above which it is one", low=0.01)
+
+
+@dataclass(frozen=True)
+class PlannerParameters:
+    """The search for a way to the bay (seater_nmpc.planner)."""
+
+    cell: float = param(0.1, "m", "side of a cell of the lattice", low=0.05, high=0.3)
+    reach: float = param(5.5, "m", "how far ahead of the dock the lattice begins", low=2.0, high=12.0)
+    half_width: float = param(3.0, "m", "how far to both sides it goes", low=1.0, high=8.0)
+    extra_margin: float = param(
+        0.03, "m", "distance from walls and obstacles beside the controller's", low=0.0, high=0.3
+    )
+    blind_factor: float = param(10.0, "", "price of a second without the markers in view", low=1.0, high=1000.0)
+    lane: float = param(1.5, "m", "how far ahead of the bay the way may join the dock's axis", low=0.0, high=5.0)
+    lookahead: float = param(
+        1.5, "m", "how far along the way the point is that is driven to past obstacles", low=0.3, high=5.0
+    )
+    turn_length: float = param(0.4, "m/rad", "what a turn counts for along the way", low=0.05, high=2.0)
+    reached_position: float = param(
+        0.12, "m", "distance from a turning point at which it is reached", low=0.02, high=0.5
+    )
+    reached_heading: float = param(0.25, "rad", "the same for the heading", low=0.02, high=1.0)
+    replan_distance: float = param(
+        0.5, "m", "distance from the way beyond which a new one is searched", low=0.1, high=2.0
+    )
+    obstacle_shift: float = param(0.05, "m", "obstacles that moved by more lead to a new search", low=0.001, high=0.5)
 
 
 @dataclass(frozen=True)
@@ -235,5 +264,6 @@ class NmpcParameters:
     """config/controller.yaml as a whole."""
 
     control: ControlParameters = field(default_factory=ControlParameters)
+    planner: PlannerParameters = field(default_factory=PlannerParameters)
     observer: ObserverParameters = field(default_factory=ObserverParameters)
     sequence: SequenceParameters = field(default_factory=SequenceParameters)

@@ -12,15 +12,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import relative
-from seater_nmpc.controller import Command, DockingController
+from seater_nmpc.controller import Command, DockingController, Target
 from seater_nmpc.corridor import Corridor
 from seater_nmpc.measurement import Hypothesis
+from seater_nmpc.navigator import Navigator
 from seater_nmpc.observer import DockEstimate, DockObserver, Outcome
 from seater_nmpc.odometry import Instant, Odometry
 from seater_nmpc.parameters import SequenceParameters
@@ -51,7 +53,10 @@ class DockingSequence:
         parameters: SequenceParameters | None = None,
         *,
         require_contact: bool = False,
+        navigator: Navigator | None = None,
     ) -> None:
+        """`navigator`: finds the way to the bay; None: one with default parameters."""
+        self._navigator = navigator or Navigator(chair, dock, controller.parameters)
         self._chair, self._dock, self._controller, self.observer = chair, dock, controller, observer
         self._parameters = parameters or SequenceParameters()
         self._require_contact = require_contact
@@ -141,6 +146,7 @@ class DockingSequence:
         self._phase, self._phase_start = phase, self._now
         self._still_since = self._settled_since = self._now
         self._verification: Verification | None = None
+        self._navigator.restart()
         if phase in (Phase.WAITING_FOR_DOCK, Phase.STOPPING, Phase.VERIFY, Phase.UNDOCKING):
             self._controller.reset()
 
@@ -189,7 +195,7 @@ class DockingSequence:
         p = self._parameters
         return estimate.blind_distance > p.max_blind_distance or estimate.age > p.max_blind_time
 
-    def _drive(self, chair: Instant, target: str) -> Command:
+    def _drive(self, chair: Instant, target: Target) -> Command:
         assert self._T_odom_dock is not None  # every caller has looked
         command = self._controller.command(chair.pose, (chair.v, chair.omega), self._T_odom_dock, target, chair.stamp)
         failures = self._controller.counters.consecutive_failures
@@ -206,15 +212,30 @@ class DockingSequence:
             raise _End(ResultCode.DOCK_NOT_VALID, f"the dock is {math.hypot(error[0], error[1]):.1f} m away")
         if within(error, self._dock.tolerance) and (self._contact or not self._require_contact):
             raise _End(ResultCode.ALREADY_DOCKED, "already docked")
-        self._enter(Phase.FINAL if self._corridor.contains(error) else Phase.APPROACH)
+        self._enter(Phase.FINAL if self._way_in(error) else Phase.APPROACH)
         return self._handlers[self._phase](chair)
 
     def _approach(self, chair: Instant) -> Command:
         error = self._look(chair)
-        if self._corridor.contains(error) or self._at_predock(error, chair):
+        if self._way_in(error) or self._at_predock(error, chair):
             self._enter(Phase.FINAL)
             return self._final(chair)
+        return self._go(chair, error)
+
+    def _go(self, chair: Instant, error: Array) -> Command:
+        """Along the planned way; where none is found, straight for the predock point unless the bay is blocked."""
+        target = self._navigator.target(error)
+        if target is not None:
+            return self._drive(chair, target)
+        if self._navigator.blocked():
+            self._controller.reset()
+            return replace(_STANDING, text="obstacles leave no way into the bay")
         return self._drive(chair, "predock")
+
+    def _way_in(self, error: Array) -> bool:
+        """Whether the rest is a matter of driving straight in."""
+        self._navigator.see(self._controller.obstacles)
+        return self._corridor.contains(error) and self._navigator.straight_way_clear(error)
 
     def _final(self, chair: Instant) -> Command:
         error = self._look(chair)
@@ -259,7 +280,7 @@ class DockingSequence:
     def _retry(self, chair: Instant) -> Command:
         error = self._look(chair)
         if self._at_predock(error, chair):
-            self._enter(Phase.FINAL if self._corridor.contains(error) else Phase.APPROACH)
+            self._enter(Phase.FINAL if self._way_in(error) else Phase.APPROACH)
             return self._handlers[self._phase](chair)
         return self._drive(chair, "predock")
 

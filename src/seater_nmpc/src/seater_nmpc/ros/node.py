@@ -21,6 +21,7 @@ from seater_common.geometry import Chair, Dock, planar_pose
 from seater_common.params import load
 from seater_msgs.msg import ControllerStatus, InputDone, MarkerDetectionArray
 from seater_nmpc.controller import Command, DockingController
+from seater_nmpc.navigator import Navigator
 from seater_nmpc.observer import DockObserver, Outcome
 from seater_nmpc.parameters import NmpcParameters
 from seater_nmpc.results import ResultCode, Step
@@ -48,6 +49,7 @@ class DockingNode:
         control = self._parameters.control
         self._controller = DockingController(chair, self._dock, control, deterministic=self._lock_step)
         self._observer = DockObserver(chair.camera, self._parameters.observer, standing=not shadow)
+        navigator = Navigator(chair, self._dock, control, self._parameters.planner)
         self._sequence = DockingSequence(
             chair,
             self._dock,
@@ -55,6 +57,7 @@ class DockingNode:
             self._observer,
             self._parameters.sequence,
             require_contact=_flag("~require_contact"),
+            navigator=navigator,
         )
         self._shadow: Shadow | None = None
         if shadow:
@@ -69,6 +72,7 @@ class DockingNode:
         self._clock: Callable[[], float] = rospy.get_time if self._lock_step else time.monotonic
         self._last_odometry = self._clock()
         self._controller.warm_up()  # before anything is advertised: the first cycle is not late
+        navigator.prepare()
         self._advertise()
         self._diagnostics = Diagnostics(self._controller, self._observer, self._period)
         self._goals = Goals(self._enqueue)

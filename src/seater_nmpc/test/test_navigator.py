@@ -1,0 +1,113 @@
+"""Ways to the bay: what the search finds, and how they are followed."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from seater_common.geometry import Chair, Dock, polygon_distance
+from seater_common.se2 import relative
+from seater_nmpc.guide import Guide
+from seater_nmpc.lattice import Lattice
+from seater_nmpc.navigator import Navigator
+from seater_nmpc.parameters import ControlParameters, PlannerParameters
+from seater_nmpc.planner import Path, Planner
+
+CHAIR, DOCK, PARAMETERS, CONTROL = Chair(), Dock(), PlannerParameters(), ControlParameters()
+BESIDE_THE_BAY = (-1.2, 0.8, -0.2)
+BOX = np.array([[-2.4, -0.5], [-1.9, -0.5], [-1.9, 0.5], [-2.4, 0.5]])
+BEHIND_THE_BOX = (-4.0, 0.0, 0.0)
+
+
+@pytest.fixture(scope="module")
+def planner() -> Planner:
+    return Planner(CHAIR, DOCK, PARAMETERS, CONTROL.margin, CONTROL.view_half_angle)
+
+
+@pytest.fixture(scope="module")
+def boxed() -> Planner:
+    planner = Planner(CHAIR, DOCK, PARAMETERS, CONTROL.margin, CONTROL.view_half_angle)
+    planner.set_obstacles([BOX])
+    return planner
+
+
+def gap(pose, outlines) -> float:
+    return min(polygon_distance(CHAIR.corners_at(pose), outline) for outline in outlines)
+
+
+def test_motions_of_the_lattice_are_those_of_a_unicycle() -> None:
+    """A motion starts and ends along the headings of its nodes: chords of straight ones are exact, bends lie in between."""
+    lattice = Lattice(CHAIR, PARAMETERS)
+    poses = lattice.poses()
+    for motion in lattice.motions:
+        start, end = lattice.edges(motion)
+        first, last = poses[start[len(start) // 2]], poses[end[len(start) // 2]]
+        x, y, turn = relative(first, last)
+        if motion.heading == motion.heading_after:
+            assert y == pytest.approx(0.0, abs=1e-12) and abs(x) > 0.0
+        elif motion.shift != (0, 0):  # the chord's direction lies between the headings, on the side it turns to
+            direction = math.atan2(y, x) if x > 0.0 else math.atan2(-y, -x)
+            assert 0.0 < direction / turn < 1.0
+        assert motion.duration >= abs(turn) / CHAIR.limits.omega_max - 1e-9
+        assert math.hypot(x, y) <= CHAIR.limits.v_max * motion.duration + 1e-9
+
+
+def test_ahead_of_the_bay_the_way_is_driven_forward(planner: Planner) -> None:
+    path = planner.path((-2.5, 0.8, -0.35))
+    assert path is not None and not np.any(path.backward)
+    assert path.poses[0] == pytest.approx([-2.5, 0.8, -0.35])
+    assert path.poses[-1, 1:] == pytest.approx([0.0, 0.0]) and path.poses[-1, 0] <= -CHAIR.length_front
+
+
+def test_beside_the_bay_the_chair_backs_up_first(planner: Planner) -> None:
+    path = planner.path(BESIDE_THE_BAY)
+    assert path is not None and np.any(path.backward)
+    assert all(gap(pose, DOCK.bay.outlines()) >= CONTROL.margin for pose in path.poses[1:])
+    assert Guide(path, PARAMETERS).single is False
+
+
+def test_the_way_leads_round_a_box_and_is_longer(planner: Planner, boxed: Planner) -> None:
+    free, path = planner.path(BEHIND_THE_BOX), boxed.path(BEHIND_THE_BOX)
+    assert free is not None and path is not None and path.duration > free.duration
+    assert min(gap(pose, [BOX]) for pose in free.poses) < 0.0
+    dense = np.vstack([np.linspace(a, b, 5) for a, b in zip(path.poses[1:], path.poses[2:], strict=False)])
+    assert min(gap(pose, [*DOCK.bay.outlines(), BOX]) for pose in dense) >= CONTROL.margin
+
+
+def test_no_way_in_is_said(boxed: Planner) -> None:
+    assert boxed.open
+    planner = Planner(CHAIR, DOCK, PARAMETERS, CONTROL.margin, CONTROL.view_half_angle)
+    planner.set_obstacles([np.array([[-0.5, -0.2], [-0.2, -0.2], [-0.2, 0.2], [-0.5, 0.2]])])
+    assert not planner.open and planner.path(BEHIND_THE_BOX) is None
+
+
+def test_out_of_the_lattice_there_is_no_path(planner: Planner) -> None:
+    assert planner.path((-20.0, 0.0, 0.0)) is None
+
+
+def test_the_guide_asks_for_the_turning_point_then_for_the_end() -> None:
+    poses = np.array([[0.0, 0.0, 0.0], [-0.5, 0.0, 0.0], [-1.0, 0.0, 0.0], [-0.5, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    guide = Guide(Path(poses, np.array([False, True, True, False, False]), 1.0), PARAMETERS)
+    assert guide.target([0.0, 0.0, 0.0], math.inf) == pytest.approx([-1.0, 0.0, 0.0]) and not guide.last_leg
+    assert guide.target([-0.5, 0.0, 0.0], 0.25) == pytest.approx([-0.75, 0.0, 0.0])
+    assert guide.target([-0.8, 0.0, 0.0], math.inf) == pytest.approx([-1.0, 0.0, 0.0])
+    assert guide.target([-0.95, 0.0, 0.0], math.inf) == pytest.approx([0.0, 0.0, 0.0]) and guide.last_leg
+    assert guide.away([-0.5, 0.3, 0.0]) == pytest.approx(0.3)
+
+
+def test_the_navigator_plans_anew_when_obstacles_move_or_the_chair_strays() -> None:
+    navigator = Navigator(CHAIR, DOCK, CONTROL, replace(PARAMETERS, cell=0.2))
+    navigator.see([])
+    direct = navigator.target(BEHIND_THE_BOX)
+    assert direct is not None and navigator.straight_way_clear(BEHIND_THE_BOX)
+    navigator.see([BOX])
+    assert not navigator.straight_way_clear(BEHIND_THE_BOX) and not navigator.blocked()
+    around = navigator.target(BEHIND_THE_BOX)
+    assert around is not None and np.hypot(*(around[:2] - direct[:2])) > 0.3
+    guide = navigator._guide
+    navigator.see([BOX + 0.001])
+    navigator.target((-3.9, 0.0, 0.0))
+    assert navigator._guide is guide
+    navigator.target((-3.0, -1.5, 0.0))
+    assert navigator._guide is not guide
