@@ -22,7 +22,7 @@ from seater_eval.evaluation_style import COLOURS, figure, save
 from seater_eval.parallel import run_jobs
 from seater_eval.setup_files import load_setup
 from seater_eval.trajectories import Trajectory
-from seater_nmpc.parameters import ControlParameters
+from seater_nmpc.parameters import ControlParameters, weight_set
 
 # Initial pose (x [m], y [m], heading [deg]) -> published final error (position [m], heading [deg]).
 TABLE_II = {
@@ -31,7 +31,7 @@ TABLE_II = {
     (1.5, 2.0, 0.0): (0.00144737, 0.00015409),
     (-1.5, 2.0, 0.0): (0.00143895, 0.00020460),
 }
-METHODS = ("paper_formulation", "park_kuipers", "pbvs", "seater")
+METHODS = ("paper_formulation", "park_kuipers", "pbvs", "seater_calm", "seater")
 DURATION = 12.0  # [s] simulated
 POSITION_LIMIT, HEADING_LIMIT = 1e-5, 1e-4  # [m], [deg]
 
@@ -74,6 +74,10 @@ def _controller(job: TableJob, chair: Chair, dock: Dock, parameters: ControlPara
     if job.method == "pbvs":
         return Pbvs(chair.limits)
     free = replace(for_perfect_chair(parameters), formulation="docking", integrator="euler", walls=False)
+    if (
+        job.method == "seater"
+    ):  # for a perfectly known state; seater_calm is what config/controller.yaml has, made for noise
+        free = replace(free, weights=weight_set("fast"), fine_steps=free.horizon // 2)
     return Nmpc(chair, dock, free)
 
 

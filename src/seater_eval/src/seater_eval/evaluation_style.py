@@ -26,6 +26,7 @@ COLOURS = {
     "park_kuipers": "#00868b",
     "pbvs": "#a0527a",
     "seater": "#2e9e4f",
+    "seater_calm": "#9ccb5a",
 }
 
 

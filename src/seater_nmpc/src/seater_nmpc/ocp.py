@@ -235,9 +235,11 @@ def _paper_cost(pose: ca.SX, position: float, heading: float) -> ca.SX:
 
 
 def step_lengths(parameters: ControlParameters) -> Array:
-    """Length of each step of the prediction [s], (N,): the first `fine_steps` as long as the control period."""
+    """Length of each step of the prediction [s], (N,): the first `fine_steps` as long as the control period, the others
+    growing evenly from `step` to `last_step` (if any)."""
     fine = min(parameters.fine_steps, parameters.horizon)
-    return np.repeat([parameters.control_period, parameters.step], [fine, parameters.horizon - fine])
+    others = np.linspace(parameters.step, parameters.last_step or parameters.step, parameters.horizon - fine)
+    return np.concatenate([np.full(fine, parameters.control_period), others])
 
 
 def make_problem(chair: Chair, parameters: ControlParameters, areas: Areas | None) -> Problem:

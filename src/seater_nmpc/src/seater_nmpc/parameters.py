@@ -111,11 +111,18 @@ class ControlParameters:
     """The model predictive controller."""
 
     formulation: str = param("docking", "", "optimal control problem", choices=("docking", "paper"))
-    solver: str = param("ipopt", "", "solver", choices=("ipopt", "ipopt_default", "fatrop", "rti"))
+    solver: str = param("rti", "", "solver", choices=("ipopt", "ipopt_default", "fatrop", "rti"))
     integrator: str = param("arc", "", "prediction step; `paper` always takes euler", choices=("arc", "euler"))
     control_period: float = param(0.05, "s", "between two control cycles", low=0.01, high=0.5)
     horizon: int = param(30, "", "steps of the prediction (N)", low=5, high=200)
     step: float = param(0.1, "s", "length of a step (dt)", low=0.01, high=0.5)
+    last_step: float = param(
+        0.0,
+        "s",
+        "length of the last step, the lengths growing evenly towards it (0: all are `step`)",
+        low=0.0,
+        high=1.0,
+    )
     fine_steps: int = param(0, "", "the first so many steps are as long as the control period", low=0, high=200)
     walls: bool = param(True, "", "whether the bay's walls and speed limit are constraints (false: free space)")
     margin: float = param(0.05, "m", "distance that the footprint keeps from every wall", low=0.0, high=0.5)
