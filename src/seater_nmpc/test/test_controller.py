@@ -183,6 +183,30 @@ def test_prediction_follows_the_motor_lag() -> None:
     assert coasting_pose([0.0, 0.0, 0.0], 0.5, 0.0, 0.1) == pytest.approx([0.05, 0.0, 0.0])
 
 
+def test_jerk_limits_hold_from_command_to_command() -> None:
+    """1 m/s^3 and 3 rad/s^3: accelerations change no faster, where without the option they jump; the end is as exact."""
+    largest = {}
+    for jerk, turn in ((1.0, 3.0), (0.0, 0.0)):
+        parameters = replace(ControlParameters(), max_jerk=jerk, max_angular_jerk=turn)
+        controller = DockingController(Chair(), Dock(), parameters, deterministic=True)
+        pose, velocity, commands = np.array([-2.5, 0.5, -0.2]), (0.0, 0.0), [(0.0, 0.0), (0.0, 0.0)]
+        for _ in range(320):
+            command = controller.command(pose, velocity, [0.0, 0.0, 0.0])
+            assert command.status is Status.SOLVED
+            velocity = (command.v, command.omega)
+            commands.append(velocity)
+            pose = arc_step(pose, *velocity, 0.05)
+        largest[jerk] = np.max(np.abs(np.diff(commands, n=2, axis=0)), axis=0) / 0.05**2
+        assert np.hypot(*pose[:2]) < 1e-3 and abs(pose[2]) < 2e-3
+    assert largest[1.0][0] <= 1.0 + 0.02 and largest[1.0][1] <= 3.0 + 0.06
+    assert largest[0.0][0] > 5.0 and largest[0.0][1] > 6.0
+
+
+def test_jerk_limits_with_a_stage_wise_solver_are_refused() -> None:
+    with pytest.raises(ValueError, match="control/solver: is 'fatrop'"):
+        DockingController(Chair(), Dock(), replace(ControlParameters(), solver="fatrop", max_jerk=1.0))
+
+
 def test_known_delay_and_lag_are_compensated() -> None:
     """A chair with 0.2 s delay and 0.15 s lag overshoots when the controller does not know, and hardly when it does."""
 

@@ -228,11 +228,12 @@ class DockingController:
             states = np.repeat(state[None, :], self.parameters.horizon + 1, axis=0)
             states[:, 3:] = 0.0
             start = WarmStart(self._problem.guess(states, areas))
+        acceleration = self._history.acceleration(self.parameters.control_period)
         outlines = [transform_points(inverse(T_dock_target), outline) for outline in self._obstacles]
         limit = self._cold_limit if cold else self._limit
         for _ in range(_COLD_ROUNDS if cold and outlines else 1):
             lines = self._problem.obstacle_lines(outlines, self._problem.states(start.x))
-            solution = self._solver.solve(self._problem.data(state, areas, lines), start, limit)
+            solution = self._solver.solve(self._problem.data(state, areas, lines, acceleration), start, limit)
             if not self._usable(solution):
                 break
             start = WarmStart(solution.x)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from seater_common.geometry import Chair
 from seater_nmpc.constraints import AreaConstraints
 from seater_nmpc.geometry import Areas
+from seater_nmpc.jerk import JerkLimits
 from seater_nmpc.model import augmented_step, euler_pose_step, step_curvature
 from seater_nmpc.nlp import Plan, ProblemData, StageProgramme
 from seater_nmpc.parameters import ControlParameters
@@ -44,6 +45,7 @@ class Problem:
         self._dynamics: list[int] = []  # rows of g in which the stages' dynamics begin
         programme = StageProgramme()
         self._areas = None if areas is None else AreaConstraints(chair, parameters, programme, areas)
+        self._jerk: JerkLimits | None = None
         self._build(programme)
         self.functions = programme.functions()
         self.refinement = self._make_refinement()
@@ -54,12 +56,20 @@ class Problem:
         self._g_lower, self._g_upper = np.array(programme.g_lower), np.array(programme.g_upper)
         self._parameter_size = programme.parameter_size
 
-    def data(self, state: Array, areas: Areas | None, lines: Array | None = None) -> ProblemData:
+    def data(
+        self,
+        state: Array,
+        areas: Areas | None,
+        lines: Array | None = None,
+        acceleration: tuple[float, float] = (0.0, 0.0),
+    ) -> ProblemData:
         """The instance for the initial state (x, y, theta, v, omega), the areas and the `lines` of obstacles, all in the
-        target's frame."""
+        target's frame; `acceleration` (dv/dt, domega/dt) is the last one, for the limits of jerk."""
         lower, upper = self._lower.copy(), self._upper.copy()
         lower[self._z[0]] = upper[self._z[0]] = self._initial(state)
         p = np.zeros(self._parameter_size)
+        if self._jerk is not None:
+            p[self._jerk.where] = acceleration
         if self._areas is not None and areas is not None:
             self._areas.set_instance(areas, p, lower, upper, lines)
         return ProblemData(p, lower, upper, self._g_lower, self._g_upper)
@@ -142,12 +152,15 @@ class DockingProblem(Problem):
         low, high = self._speed_bounds()
         low, high = [-math.inf] * 3 + low, [math.inf] * 3 + high
         rate = [self._chair.limits.a_max, self._chair.limits.alpha_max]
+        self._jerk = JerkLimits.wanted(p, programme)
         z, where = programme.variable("z0", low, high)
         self._z.append(where)
         for k, h in enumerate(self._steps.tolist()):
             u, where = programme.variable(f"u{k}", [-r for r in rate], rate)
             self._u.append(where)
             programme.cost += h * self._stage_cost(z, u)
+            if self._jerk is not None:
+                self._jerk.add_stage(programme, u, h)
             z_next, where = programme.variable(f"z{k + 1}", low, high)
             self._z.append(where)
             self._dynamics.append(len(programme.g_lower))

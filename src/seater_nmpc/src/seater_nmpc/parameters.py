@@ -126,6 +126,14 @@ class ControlParameters:
     fine_steps: int = param(0, "", "the first so many steps are as long as the control period", low=0, high=200)
     walls: bool = param(True, "", "whether the bay's walls and speed limit are constraints (false: free space)")
     margin: float = param(0.05, "m", "distance that the footprint keeps from every wall", low=0.0, high=0.5)
+    max_jerk: float = param(
+        0.0,
+        "m/s^3",
+        "largest change of acceleration (0: no limit); not with fatrop, not in `paper`",
+        low=0.0,
+        high=50.0,
+    )
+    max_angular_jerk: float = param(0.0, "rad/s^3", "the same for turning", low=0.0, high=100.0)
     max_obstacles: int = param(
         2, "", "obstacles at run time that each step of the plan keeps clear of, the nearest ones", low=0, high=10
     )

@@ -29,6 +29,13 @@ class CommandHistory:
         """(v, omega) of the command sent last."""
         return self._sent[-1][1:] if self._sent else None
 
+    def acceleration(self, period: float) -> tuple[float, float]:
+        """(dv/dt, domega/dt) between the last two commands, `period` [s] apart; zero where there are not two."""
+        if len(self._sent) < 2:
+            return 0.0, 0.0
+        (_, v0, w0), (_, v1, w1) = self._sent[-2], self._sent[-1]
+        return (v1 - v0) / period, (w1 - w0) / period
+
     def clear(self) -> None:
         """Forget everything: nothing is known to be on its way."""
         self._sent.clear()
