@@ -210,5 +210,6 @@ def _quadratic_solver(parameters: RtiParameters) -> piqp.SparseSolver:
     qp.settings.eps_abs, qp.settings.eps_rel = parameters.tolerance, parameters.tolerance
     qp.settings.check_duality_gap = False
     qp.settings.max_iter = _QP_ITERATIONS
+    qp.settings.kkt_solver = piqp.KKTSolver.sparse_ldlt_cond  # grows least with the horizon
     qp.settings.preconditioner_reuse_on_update = True
     return qp
