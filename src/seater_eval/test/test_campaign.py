@@ -187,7 +187,7 @@ def test_docking_table_judges_the_worst_pose() -> None:
 
 def benchmark_rows(**p99: float) -> dict:
     rows = [
-        {"solver": name, "horizon": N, "solve_ms": {"median": N * value / 30.0, "p99": value}}
+        {"solver": name, "horizon": N, "solve_cpu_ms": {"median": N * value / 30.0, "p99": value}}
         for name, value in p99.items()
         for N in (20, 30, 80)
     ]

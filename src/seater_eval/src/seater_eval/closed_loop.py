@@ -59,12 +59,14 @@ def run_perfect(
     controller.reset()
     pose, speed, period = np.asarray(start, dtype=float), (0.0, 0.0), controller.period
     poses, speeds, commands, wall, cpu, solves, failures = [pose], [speed], [], [], [], [], 0
+    solves_cpu = []
     for _ in range(round(duration / period)):
         began, began_cpu = time.perf_counter(), time.thread_time()
         asked = controller.command(pose, speed)
         cpu.append(time.thread_time() - began_cpu)
         wall.append(time.perf_counter() - began)
         solves.append(getattr(controller, "solve_time", 0.0))
+        solves_cpu.append(getattr(controller, "solve_cpu", 0.0))
         failures += bool(getattr(controller, "failed", False))
         speed = limited(asked, speed, limits, period, accelerations)
         pose = model(pose, *speed, period)
@@ -82,5 +84,6 @@ def run_perfect(
         np.array(wall),
         np.array(cpu),
         np.array(solves),
+        np.array(solves_cpu),
         failures,
     )

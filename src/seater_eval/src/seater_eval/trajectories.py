@@ -25,6 +25,7 @@ class Trajectory:
     cycle_times: Array = field(default_factory=lambda: np.zeros(0))  # (m,) wall time of the whole cycle [s]
     cycle_cpu: Array = field(default_factory=lambda: np.zeros(0))  # (m,) its time on the processor, this thread [s]
     solve_times: Array = field(default_factory=lambda: np.zeros(0))  # (m,) wall time in the solver [s]; 0 without one
+    solve_cpu: Array = field(default_factory=lambda: np.zeros(0))  # (m,) the same on the processor, this thread [s]
     failures: int = 0  # cycles without a usable solution
 
     @property

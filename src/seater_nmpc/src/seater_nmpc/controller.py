@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -51,6 +52,7 @@ class Command:
     solver: str = ""
     text: str = ""
     solve_time: float = 0.0  # wall time [s]
+    solve_cpu: float = 0.0  # the solver's time on the processor, in this thread [s]
     iterations: int = 0
     cost: float = 0.0
     constraint_violation: float = 0.0  # largest violation in the plan [m or m/s]
@@ -113,7 +115,7 @@ class DockingController:
         self._solver.prepare([self._limit, self._cold_limit])
         self._history = CommandHistory(self.parameters.prediction)
         self.counters = Counters()
-        self._clock = 0.0
+        self._clock = self._solve_cpu = 0.0
         self._obstacles: list[Array] = []
         self.reset()
 
@@ -233,7 +235,9 @@ class DockingController:
         limit = self._cold_limit if cold else self._limit
         for _ in range(_COLD_ROUNDS if cold and outlines else 1):
             lines = self._problem.obstacle_lines(outlines, self._problem.states(start.x))
-            solution = self._solver.solve(self._problem.data(state, areas, lines, acceleration), start, limit)
+            data, began = self._problem.data(state, areas, lines, acceleration), time.thread_time()
+            solution = self._solver.solve(data, start, limit)
+            self._solve_cpu = time.thread_time() - began
             if not self._usable(solution):
                 break
             start = WarmStart(solution.x)
@@ -292,6 +296,7 @@ class DockingController:
             self._solver.name,
             solution.text,
             solution.solve_time,
+            self._solve_cpu,
             solution.iterations,
             solution.cost,
             max(plan.violation, solution.gap),
@@ -311,8 +316,10 @@ class DockingController:
             self.counters.braked += 1
         v, omega = clamp(self._chair, v, omega, before, period, slow)
         self._history.sent(stamp, v, omega)
-        time, iterations = (0.0, 0) if solution is None else (solution.solve_time, solution.iterations)
-        return Command(v, omega, status, self._solver.name, text, time, iterations)
+        wall, cpu, iterations = 0.0, 0.0, 0
+        if solution is not None:
+            wall, cpu, iterations = solution.solve_time, self._solve_cpu, solution.iterations
+        return Command(v, omega, status, self._solver.name, text, wall, cpu, iterations)
 
 
 def _composed(T: Array, poses: Array) -> Array:

@@ -43,6 +43,11 @@ class Nmpc:
         return self.last.solve_time
 
     @property
+    def solve_cpu(self) -> float:
+        """The solver's time on the processor, of the last cycle [s]."""
+        return self.last.solve_cpu
+
+    @property
     def failed(self) -> bool:
         """Whether the last cycle had no usable solution."""
         return self.last.status in (Status.FALLBACK_SHIFTED, Status.FALLBACK_BRAKE)
