@@ -65,7 +65,7 @@ def run_benchmark(config: str | Path, quick: bool) -> dict[str, Any]:
             "loop": "perfect unicycle, exact arc, perfect state; from rest to 3 mm from the dock or the end",
             "starts": starts,
             "longest_s": longest,
-            "problem": "config/controller.yaml with walls, bay speed, view and two obstacles (do_mpc: walls); no lag; solvers and horizon as in the row",
+            "problem": "config/controller.yaml: walls, bay speed, view, two obstacles (do_mpc: walls); no lag; N as in the row",
             "times_are": "as called from Python: solver and whole cycle, wall time and processor time (cpu) of the thread",
             "bars_are_of": "the solver's processor time, which other load on the machine does not change",
             "cores": os.cpu_count(),
