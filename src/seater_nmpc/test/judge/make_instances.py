@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Write what the independent judge solves: the problem's functions as C code, and random instances with Python's solutions.
 
-usage: make_instances.py CONFIG_FOLDER OUTPUT_FOLDER. Writes problem.c and instances.txt. The problem is that of the configuration
-(walls, bay speed, view, obstacles); its solutions here are those of CasADi's own Ipopt at a tolerance of 1e-10.
+usage: make_instances.py CONFIG_FOLDER OUTPUT_FOLDER. Writes problem.c and instances.txt. The problem is that of the
+configuration (walls, bay speed, view, obstacles); its solutions here are those of CasADi's own Ipopt at a tolerance of 1e-10.
 """
 
 from __future__ import annotations
