@@ -1,8 +1,10 @@
 """The state observer: the dock's pose in odom, from marker measurements at image time and buffered odometry.
 
-A Kalman filter of three states. The dock stands still; what moves it in odom is the drift of the odometry, so the
-process noise counts metres and radians, not seconds. A measurement passes the gate or it is not used; nothing is
-smoothed before that.
+An extended Kalman filter of six states: the dock, and the constant errors of the odometry (drift.py). The dock stands
+still; what moves it in odom is the drift of the odometry, so everything counts metres and radians, not seconds. What
+calibration leaves is the same in every picture: it does not average out, so it is no part of the filter's noise but of
+the gate and of the covariance that is handed out. A measurement passes the gate or it is not used; nothing is smoothed
+before that.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import CameraMount
 from seater_common.se2 import wrap_angle
+from seater_nmpc.drift import scale_covariance, transition
 from seater_nmpc.measurement import Hypothesis, Measurement, combine, difference, distance, in_frame, project
 from seater_nmpc.odometry import Instant, Odometry, OdometryBuffer
 from seater_nmpc.parameters import ObserverParameters
@@ -52,8 +55,8 @@ class _State:
     """The filter just after a measurement, and the measurement (to be applied again after a late one)."""
 
     instant: Instant
-    pose: Array
-    covariance: Array
+    mean: Array  # (6,)
+    covariance: Array  # (6, 6)
     measurement: Measurement
 
 
@@ -67,6 +70,8 @@ class DockObserver:
         self._T_base_optical = mount.T_base_optical()
         self._parameters = parameters or ObserverParameters()
         self._standing = standing
+        p = self._parameters
+        self._calibration = np.diag([p.calibration_position**2, p.calibration_position**2, p.calibration_heading**2])
         self.odometry = OdometryBuffer(self._parameters.buffer_duration, self._parameters.max_extrapolation)
         self.counts: Counter[Outcome] = Counter()
         self.refused_odometry = 0
@@ -77,8 +82,8 @@ class DockObserver:
         self._prior = None if prior is None else np.asarray(prior, dtype=float)
         self._prior_radius = prior_radius
         self._states: deque[_State] = deque()
-        self._candidates: deque[tuple[float, Measurement]] = deque(maxlen=self._parameters.acquire_count)
-        self._rejected: deque[tuple[float, Measurement]] = deque(maxlen=self._parameters.reacquire_count)
+        self._candidates: deque[tuple[Instant, Measurement]] = deque(maxlen=self._parameters.acquire_count)
+        self._rejected: deque[tuple[Instant, Measurement]] = deque(maxlen=self._parameters.reacquire_count)
 
     def add_odometry(self, odometry: Odometry) -> bool:
         """Take an odometry message; false when it is refused (not finite, not newer)."""
@@ -98,9 +103,10 @@ class DockObserver:
         if not self._states or now is None:
             return None
         last = self._states[-1]
-        covariance = last.covariance + self._drift(last, now)
+        mean, covariance = self._predict(last, now)
         blind = max(0.0, now.driven - last.instant.driven)
-        return DockEstimate(last.pose, covariance, max(0.0, now.stamp - last.instant.stamp), blind)
+        age = max(0.0, now.stamp - last.instant.stamp)
+        return DockEstimate(mean[:3], covariance[:3, :3] + self._calibration, age, blind)
 
     def measurements_since(self, stamp: float) -> list[Measurement]:
         """Measurements of the dock in odom that were used, of pictures taken at or after `stamp`."""
@@ -120,15 +126,13 @@ class DockObserver:
         return self._fuse(chair, offered)
 
     def _offered(self, chair: Instant, hypotheses: list[Hypothesis]) -> list[Measurement]:
-        """The hypotheses that can be a dock on the floor, in odom, with the floor of the measurement noise added."""
+        """The hypotheses that can be a dock on the floor, in odom."""
         p, result = self._parameters, []
-        noise = np.diag([p.measurement_position**2, p.measurement_position**2, p.measurement_heading**2])
         for hypothesis in hypotheses:
             planar = project(self._T_base_optical, hypothesis)
             if planar is None or planar.tilt > p.max_tilt or abs(planar.height) > p.max_height:
                 continue
-            found = in_frame(chair.pose, planar.measurement)
-            result.append(Measurement(found.pose, found.covariance + noise, found.weight))
+            result.append(in_frame(chair.pose, planar.measurement))
         return result
 
     def _acquire(self, chair: Instant, offered: list[Measurement]) -> Outcome:
@@ -139,23 +143,29 @@ class DockObserver:
             self._candidates.clear()
             return Outcome.ACQUIRING
         best = max(offered, key=lambda measurement: measurement.weight)
-        self._candidates.append((chair.stamp, best))
+        self._candidates.append((chair, best))
         if not self._agree(self._candidates):
             return Outcome.ACQUIRING
-        self._begin(chair, self._candidates)
+        self._begin(self._candidates)
         return Outcome.ACQUIRED
 
-    def _agree(self, found: deque[tuple[float, Measurement]]) -> bool:
+    def _agree(self, found: deque[tuple[Instant, Measurement]]) -> bool:
         """Whether there are enough measurements, and each is within the gate of their mean."""
         if len(found) < (found.maxlen or 1):
             return False
         mean = combine([measurement for _, measurement in found])
-        return all(distance(m.pose, mean.pose, m.covariance) <= self._parameters.gate for _, m in found)
+        return all(self._distance(m, mean.pose, 0.0) <= self._parameters.gate for _, m in found)
 
-    def _begin(self, chair: Instant, found: deque[tuple[float, Measurement]]) -> None:
-        mean = combine([measurement for _, measurement in found])
+    def _begin(self, found: deque[tuple[Instant, Measurement]]) -> None:
+        """From the first measurement and what is known about such odometry; the others are fused one after the other."""
+        pictures = sorted(found, key=lambda entry: entry[0].stamp)
+        chair, first = pictures[0]
+        covariance = np.zeros((6, 6))
+        covariance[:3, :3], covariance[3:, 3:] = first.covariance, scale_covariance(self._parameters)
         self._states.clear()
-        self._states.append(_State(chair, mean.pose, mean.covariance, mean))
+        self._states.append(_State(chair, np.concatenate([first.pose, np.zeros(3)]), covariance, first))
+        for chair, measurement in pictures[1:]:
+            self._update(chair, measurement)
         self._candidates.clear()
         self._rejected.clear()
 
@@ -164,9 +174,9 @@ class DockObserver:
         if len(later) == len(self._states):
             return Outcome.NO_ODOMETRY  # older than everything that is kept
         before = self._states[len(self._states) - len(later) - 1]
-        predicted = before.covariance + self._drift(before, chair)
+        mean, predicted = self._predict(before, chair)
         score, best = min(
-            ((distance(m.pose, before.pose, predicted + m.covariance) - 2.0 * math.log(m.weight), m) for m in offered),
+            ((self._distance(m, mean[:3], predicted[:3, :3]) - 2.0 * math.log(m.weight), m) for m in offered),
             key=lambda scored: scored[0],
         )
         if score + 2.0 * math.log(best.weight) > self._parameters.gate:
@@ -181,30 +191,29 @@ class DockObserver:
             self._states.popleft()
         return Outcome.FUSED
 
+    def _distance(self, measurement: Measurement, pose: Array, covariance: Array | float) -> float:
+        """Squared, for the gate."""
+        return distance(measurement.pose, pose, covariance + measurement.covariance + self._calibration)
+
+    def _predict(self, last: _State, now: Instant) -> tuple[Array, Array]:
+        F, Q = transition(last.mean[:3], last.instant, now, self._parameters)
+        mean = F @ last.mean
+        mean[2] = wrap_angle(float(mean[2]))
+        return mean, F @ last.covariance @ F.T + Q
+
     def _update(self, chair: Instant, measurement: Measurement) -> None:
-        last = self._states[-1]
-        P = last.covariance + self._drift(last, chair)
-        S = P + measurement.covariance
-        gain = np.linalg.solve(S, P).T
-        pose = last.pose + gain @ difference(measurement.pose, last.pose)
-        pose[2] = wrap_angle(float(pose[2]))
-        keep = np.eye(3) - gain
+        mean, P = self._predict(self._states[-1], chair)
+        gain = np.linalg.solve(P[:3, :3] + measurement.covariance, P[:3, :]).T
+        mean += gain @ difference(measurement.pose, mean[:3])
+        mean[2] = wrap_angle(float(mean[2]))
+        keep = np.eye(6)
+        keep[:, :3] -= gain
         covariance = keep @ P @ keep.T + gain @ measurement.covariance @ gain.T  # Joseph's form stays symmetric
-        self._states.append(_State(chair, pose, covariance, measurement))
+        self._states.append(_State(chair, mean, covariance, measurement))
 
     def _reject(self, chair: Instant, offered: list[Measurement]) -> Outcome:
-        self._rejected.append((chair.stamp, max(offered, key=lambda measurement: measurement.weight)))
+        self._rejected.append((chair, max(offered, key=lambda measurement: measurement.weight)))
         if not self._agree(self._rejected):
             return Outcome.REJECTED
-        self._begin(chair, self._rejected)
+        self._begin(self._rejected)
         return Outcome.REACQUIRED
-
-    def _drift(self, last: _State, now: Instant) -> Array:
-        """Covariance that the odometry's drift adds between two times; a heading error swings the dock round the chair."""
-        p = self._parameters
-        driven, turned = abs(now.driven - last.instant.driven), abs(now.turned - last.instant.turned)
-        heading = p.drift_heading_distance**2 * driven + p.drift_heading_turn**2 * turned
-        arm = last.pose[:2] - now.pose[:2]
-        swing = np.array([-arm[1], arm[0], 1.0])
-        position = p.drift_position**2 * driven
-        return np.diag([position, position, 0.0]) + heading * np.outer(swing, swing)

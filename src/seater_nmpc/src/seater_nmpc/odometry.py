@@ -1,4 +1,4 @@
-"""Buffered odometry: where the chair was at any recent time, and how far it had driven by then."""
+"""Buffered odometry: where the chair was at any recent time, and how it had driven by then."""
 
 from __future__ import annotations
 
@@ -29,6 +29,34 @@ class Odometry:
 
 
 @dataclass(frozen=True)
+class Travel:
+    """Sums over everything driven since the buffer began: what the drift of the odometry between two times depends on.
+
+    ds and dt are the way (negative backward) and the turn of a short step, q = (1, x, y) with the chair's place in odom,
+    c the unit vector of its direction there.
+    """
+
+    way: Array  # (3,) of q ds
+    turn: Array  # (3,) of q dt
+    along: Array  # (2, 2) of c c' |ds|
+    by_way: Array  # (3, 3) of q q' |ds|
+    by_turn: Array  # (3, 3) of q q' |dt|
+
+    def plus(self, other: Travel, share: float = 1.0) -> Travel:
+        """This, and `share` of the other."""
+        return Travel(
+            self.way + share * other.way,
+            self.turn + share * other.turn,
+            self.along + share * other.along,
+            self.by_way + share * other.by_way,
+            self.by_turn + share * other.by_turn,
+        )
+
+
+NO_TRAVEL = Travel(np.zeros(3), np.zeros(3), np.zeros((2, 2)), np.zeros((3, 3)), np.zeros((3, 3)))
+
+
+@dataclass(frozen=True)
 class Instant:
     """The chair at one time."""
 
@@ -36,8 +64,17 @@ class Instant:
     pose: Array  # base_link in odom
     v: float
     omega: float
-    driven: float  # way driven since the buffer began [m]
-    turned: float  # angle turned since then, both ways added up [rad]
+    travel: Travel  # since the buffer began
+
+    @property
+    def driven(self) -> float:
+        """Way driven since the buffer began, both ways added up [m]."""
+        return float(self.travel.by_way[0, 0])
+
+    @property
+    def turned(self) -> float:
+        """Angle turned since then, both ways added up [rad]."""
+        return float(self.travel.by_turn[0, 0])
 
 
 class OdometryBuffer:
@@ -55,16 +92,13 @@ class OdometryBuffer:
         """Take a message; false (and not taken) when it is not finite or not newer than the last one."""
         if not odometry.is_finite():
             return False
-        driven = turned = 0.0
+        pose, travel = np.asarray(odometry.pose, dtype=float), NO_TRAVEL
         if self._samples:
             last = self._samples[-1]
             if odometry.stamp <= last.stamp:
                 return False
-            step = relative(last.pose, odometry.pose)
-            driven = last.driven + math.hypot(step[0], step[1])
-            turned = last.turned + abs(step[2])
-        pose = np.asarray(odometry.pose, dtype=float)
-        self._samples.append(Instant(odometry.stamp, pose, odometry.v, odometry.omega, driven, turned))
+            travel = last.travel.plus(_step(last.pose, pose))
+        self._samples.append(Instant(odometry.stamp, pose, odometry.v, odometry.omega, travel))
         while self._samples[0].stamp < odometry.stamp - self._duration:
             self._samples.popleft()
         return True
@@ -89,25 +123,28 @@ class OdometryBuffer:
         return None
 
 
+def _step(before: Array, after: Array) -> Travel:
+    """Of one short step, with the middle of the chord as its place."""
+    x, y, turn = relative(before, after)
+    way = math.copysign(math.hypot(x, y), x) / float(np.sinc(0.5 * turn / math.pi))  # from the chord to the arc
+    if way == 0.0 and turn == 0.0:
+        return NO_TRAVEL
+    q = np.array([1.0, 0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1])])
+    direction = before[2] + 0.5 * turn
+    c = np.array([math.cos(direction), math.sin(direction)])
+    square = np.outer(q, q)
+    return Travel(way * q, turn * q, abs(way) * np.outer(c, c), abs(way) * square, abs(turn) * square)
+
+
 def _ahead(last: Instant, stamp: float) -> Instant:
-    duration = stamp - last.stamp
-    pose = arc_step(last.pose, last.v, last.omega, duration)
-    driven, turned = last.driven + abs(last.v) * duration, last.turned + abs(last.omega) * duration
-    return Instant(stamp, pose, last.v, last.omega, driven, turned)
+    pose = arc_step(last.pose, last.v, last.omega, stamp - last.stamp)
+    return Instant(stamp, pose, last.v, last.omega, last.travel.plus(_step(last.pose, pose)))
 
 
 def _between(before: Instant, after: Instant, stamp: float) -> Instant:
     share = (stamp - before.stamp) / (after.stamp - before.stamp)
     pose = compose(before.pose, share * relative(before.pose, after.pose))
-
-    def mix(first: float, second: float) -> float:
-        return first + share * (second - first)
-
-    return Instant(
-        stamp,
-        pose,
-        mix(before.v, after.v),
-        mix(before.omega, after.omega),
-        mix(before.driven, after.driven),
-        mix(before.turned, after.turned),
-    )
+    v = before.v + share * (after.v - before.v)
+    omega = before.omega + share * (after.omega - before.omega)
+    travel = before.travel.plus(after.travel.plus(before.travel, -1.0), share)
+    return Instant(stamp, pose, v, omega, travel)

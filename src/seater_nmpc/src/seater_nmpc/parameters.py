@@ -166,19 +166,20 @@ class ObserverParameters:
         8, "", "rejected measurements in a row, consistent among themselves, that replace the estimate", low=2, high=100
     )
     gate: float = param(16.3, "", "chi-square gate, 3 degrees of freedom (16.3: 99.9 %)", low=1.0, high=1000.0)
-    measurement_position: float = param(
-        0.001, "m", "added to every measurement: what calibration leaves, standard deviation", low=0.0, high=0.1
+    calibration_position: float = param(
+        0.001, "m", "what calibration leaves, the same in every picture, standard deviation", low=0.0, high=0.1
     )
-    measurement_heading: float = param(0.002, "rad", "the same for the heading", low=0.0, high=0.2)
-    drift_position: float = param(
-        0.01, "m/sqrt(m)", "odometry drift of position, standard deviation after 1 m", low=0.0, high=1.0
+    calibration_heading: float = param(0.002, "rad", "the same for the heading", low=0.0, high=0.2)
+    scale_sd: float = param(
+        0.01, "", "constant relative error of the odometry's distances, standard deviation", low=0.0, high=0.2
     )
-    drift_heading_distance: float = param(
-        0.01, "rad/sqrt(m)", "odometry drift of heading after 1 m driven", low=0.0, high=1.0
+    heading_scale_sd: float = param(0.01, "", "the same for turns", low=0.0, high=0.2)
+    heading_drift_sd: float = param(0.005, "rad/m", "constant turn per metre driven, the same", low=0.0, high=0.2)
+    distance_noise: float = param(
+        0.002, "m/sqrt(m)", "random error of distances, standard deviation after 1 m", low=0.0, high=1.0
     )
-    drift_heading_turn: float = param(
-        0.02, "rad/sqrt(rad)", "odometry drift of heading after 1 rad turned", low=0.0, high=1.0
-    )
+    heading_noise: float = param(0.002, "rad/sqrt(m)", "random turn after 1 m driven", low=0.0, high=1.0)
+    turn_noise: float = param(0.004, "rad/sqrt(rad)", "random error of turns after 1 rad", low=0.0, high=1.0)
     max_tilt: float = param(
         0.35,
         "rad",
