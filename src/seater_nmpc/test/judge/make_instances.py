@@ -32,17 +32,19 @@ Array = NDArray[np.float64]
 
 SEED, COUNT = 20240, 100
 OBSTACLE_EVERY = 3  # every third instance has an obstacle beside the way
-COLD = {"tol": 1e-6, "max_iter": 3000}  # from a standing chair to the point that both sides begin at
-# From a solution of 1e-6 on: a small barrier and no push away from the bounds, else the two leave the point they share.
+# From a standing chair to the point that both sides begin at: short of the solution, so that the judge has way to go.
+COLD: dict[str, float | int | str] = {"tol": 1e-2, "mu_target": 1e-3, "max_iter": 3000}
+# From there on: its barrier and little push away from the bounds, else they leave the valley that they are in.
 FINE: dict[str, float | int | str] = {
     "tol": 1e-10,
     "acceptable_iter": 0,  # nothing less than the tolerance counts
     "max_iter": 3000,
-    "mu_init": 1e-6,
-    "bound_push": 1e-8,
-    "bound_frac": 1e-8,
-    "slack_bound_push": 1e-8,
-    "slack_bound_frac": 1e-8,
+    "mu_init": 1e-3,
+    "bound_push": 1e-4,
+    "bound_frac": 1e-4,
+    "slack_bound_push": 1e-4,
+    "slack_bound_frac": 1e-4,
+    "honor_original_bounds": "yes",  # the default of 3.11.9, not that of 3.14
     "mu_strategy": "monotone",
     "linear_solver": "mumps",
 }
