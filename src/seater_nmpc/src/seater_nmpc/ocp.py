@@ -100,16 +100,6 @@ class Problem:
             np.concatenate([[0.0], np.cumsum(self._steps)]), self._read_trajectory(x), violation, self.speeds_held
         )
 
-    @property
-    def step_lengths(self) -> Array:
-        """Length of each step [s], (N,)."""
-        return self._steps
-
-    @property
-    def input_columns(self) -> NDArray[np.int_]:
-        """Where the inputs of each step stand in x, (N, 2)."""
-        return self._input_columns
-
     def _make_refinement(self) -> ca.Function | None:
         """(x, p, lbx, ubx) -> x with the best parting lines and the smallest sufficient slacks for its poses."""
         if self._areas is None:
