@@ -82,6 +82,12 @@ def test_no_way_in_is_said(boxed: Planner) -> None:
     assert not planner.open and planner.path(BEHIND_THE_BOX) is None
 
 
+def test_an_obstacle_in_the_bay_leaves_no_way_in() -> None:
+    navigator = Navigator(CHAIR, DOCK, CONTROL, PARAMETERS)
+    navigator.see([np.array([[0.1, 0.2], [0.3, 0.2], [0.3, 0.4], [0.1, 0.4]])])
+    assert navigator.blocked() and not navigator.straight_way_clear((-1.5, 0.0, 0.0))
+
+
 def test_out_of_the_lattice_there_is_no_path(planner: Planner) -> None:
     assert planner.path((-20.0, 0.0, 0.0)) is None
 
@@ -106,7 +112,7 @@ def test_the_navigator_plans_anew_when_obstacles_move_or_the_chair_strays() -> N
     around = navigator.target(BEHIND_THE_BOX)
     assert around is not None and np.hypot(*(around[:2] - direct[:2])) > 0.3
     guide = navigator._guide
-    navigator.see([BOX + 0.001])
+    navigator.see([np.roll(BOX, 1, axis=0) + 0.001])
     navigator.target((-3.9, 0.0, 0.0))
     assert navigator._guide is guide
     navigator.target((-3.0, -1.5, 0.0))

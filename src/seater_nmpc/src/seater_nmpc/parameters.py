@@ -266,6 +266,9 @@ class SequenceParameters:
     max_blind_distance: float = param(0.3, "m", "way driven by odometry alone before stopping", low=0.01, high=3.0)
     max_blind_time: float = param(3.0, "s", "time driven by odometry alone before stopping", low=0.1, high=60.0)
     odometry_timeout: float = param(0.3, "s", "age of the odometry at which it counts as lost", low=0.02, high=5.0)
+    obstacle_timeout: float = param(
+        0.0, "s", "how long a message with obstacles holds without a newer one; 0: for ever", low=0.0, high=3600.0
+    )
     predock_position: float = param(
         0.08, "m", "distance at which the predock point counts as reached", low=0.005, high=0.5
     )

@@ -159,9 +159,11 @@ class Planner:
         return np.array([i for i in candidates if self._lane_clear(float(x[i]))], dtype=np.intp)
 
     def _lane_clear(self, x: float) -> bool:
-        steps = np.arange(x, self._dock.bay.entrance_x - self._chair.length_front + 1e-9, self._parameters.cell)
+        """Walls count ahead of the bay; obstacles all the way to the dock."""
+        steps = np.append(np.arange(x, 0.0, self._parameters.cell), 0.0)
         lane = np.column_stack([steps, np.zeros((len(steps), 2))])
-        return bool(np.all(self._clear(lane, [*self._walls, *self._obstacles])))
+        ahead = lane[steps <= self._dock.bay.entrance_x - self._chair.length_front + 1e-9]
+        return bool(np.all(self._clear(ahead, self._walls))) and self.clear_of_obstacles(lane)
 
     def _time_from(self, poses: Array) -> Array:
         """Seconds from a goal pose to the dock's frame, driving straight (the bay's speed limit is the same for all)."""

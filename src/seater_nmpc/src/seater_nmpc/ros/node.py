@@ -19,7 +19,7 @@ from std_msgs.msg import Bool, Header
 
 from seater_common.geometry import Chair, Dock, planar_pose
 from seater_common.params import load
-from seater_msgs.msg import ControllerStatus, InputDone, MarkerDetectionArray
+from seater_msgs.msg import ControllerStatus, InputDone, MarkerDetectionArray, ObstacleArray
 from seater_nmpc.controller import Command, DockingController
 from seater_nmpc.navigator import Navigator
 from seater_nmpc.observer import DockObserver, Outcome
@@ -28,6 +28,7 @@ from seater_nmpc.results import ResultCode, Step
 from seater_nmpc.ros import conversions
 from seater_nmpc.ros.diagnostics import Diagnostics
 from seater_nmpc.ros.goals import Goals, valid_timeout
+from seater_nmpc.ros.obstacles import Obstacles
 from seater_nmpc.sequence import DockingSequence
 from seater_nmpc.shadow import Shadow
 
@@ -74,6 +75,7 @@ class DockingNode:
         self._controller.warm_up()  # before anything is advertised: the first cycle is not late
         navigator.prepare()
         self._advertise()
+        self._obstacles = Obstacles(self._tf, self._dock_frame, self._parameters.sequence.obstacle_timeout)
         self._diagnostics = Diagnostics(self._controller, self._observer, self._period)
         self._goals = Goals(self._enqueue)
         threading.Thread(target=self._work, daemon=True).start()
@@ -96,7 +98,12 @@ class DockingNode:
 
     def _subscribe(self) -> None:
         """Callbacks only enqueue, so that every input is worked by one thread in the order of its arrival."""
-        for topic, kind, size in (("odom", OdometryMsg, 100), ("detections", MarkerDetectionArray, 100)):
+        topics = (
+            ("odom", OdometryMsg, 100),
+            ("detections", MarkerDetectionArray, 100),
+            ("obstacles", ObstacleArray, 10),
+        )
+        for topic, kind, size in topics:
             rospy.Subscriber(topic, kind, lambda m, t=topic: self._enqueue(t, m), queue_size=size, tcp_nodelay=True)
         rospy.Subscriber("charging_contact", Bool, lambda m: self._enqueue("contact", m.data), queue_size=10)
 
@@ -109,6 +116,7 @@ class DockingNode:
         handlers = {
             "odom": self._on_odometry,
             "detections": self._on_detections,
+            "obstacles": lambda message: self._obstacles.take(message, self._odom_frame),
             "contact": lambda closed: setattr(self, "_contact", bool(closed)),
             "goal": lambda goal: self._on_goal(*goal),
             "cancel": self._on_cancel,
@@ -132,8 +140,8 @@ class DockingNode:
         """In lock-step: this input has been worked through."""
         if self._done is None:
             return
-        if kind in ("odom", "detections"):
-            requested = self._requested == content.header.stamp
+        if kind in ("odom", "detections", "obstacles"):
+            requested = kind != "obstacles" and self._requested == content.header.stamp
             self._done.publish(InputDone(content.header, rospy.get_name(), kind, requested))
         elif kind == "contact":
             self._done.publish(InputDone(Header(), rospy.get_name(), "charging_contact", False))
@@ -158,6 +166,7 @@ class DockingNode:
     def _control(self, now: float) -> None:
         """One control cycle, at the first odometry in each period of message time."""
         self._diagnostics.cycle()
+        self._set_obstacles(now)
         if self._shadow is not None:
             command = self._shadow.update(now)
             self._report(command or Command(0.0, 0.0), "SHADOW")
@@ -168,6 +177,11 @@ class DockingNode:
                 self._zeros -= 1
                 self._publish_request(0.0, 0.0)
             self._report(Command(0.0, 0.0), "")
+
+    def _set_obstacles(self, now: float) -> None:
+        estimate = self._observer.estimate()
+        dock = None if estimate is None else estimate.pose
+        self._controller.set_obstacles(self._obstacles.now(now, self._odom_frame, dock))
 
     def _send(self, step: Step) -> None:
         command = step.command

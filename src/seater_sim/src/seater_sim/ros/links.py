@@ -14,7 +14,7 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Bool, UInt32
 from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
 
-from seater_msgs.msg import InputDone, MarkerDetectionArray
+from seater_msgs.msg import InputDone, MarkerDetectionArray, ObstacleArray
 from seater_sim.camera import Camera
 from seater_sim.lockstep import Answers
 from seater_sim.odometry import OdometrySample
@@ -32,6 +32,7 @@ class Links:
 
     def __init__(self, options: Options, node: SimNode) -> None:
         self._options = options
+        self._tells_obstacles = options.publish_obstacles and bool(options.simulator.obstacles)
         self._answers: Answers[Any] = Answers()
         self._contact_answers = 0
         self._advertise()
@@ -81,6 +82,7 @@ class Links:
         self._truth = publisher("ground_truth", Odometry, latch=True)
         self._contact = publisher("charging_contact", Bool, latch=True)
         self._collisions = publisher("collisions", UInt32, latch=True)
+        self._obstacles = publisher("obstacles", ObstacleArray, latch=True) if self._tells_obstacles else None
         self._image = publisher("camera/color/image_raw", Image)
         self._compressed = publisher("camera/color/image_raw/compressed", CompressedImage)
         self._camera_info = publisher("camera/color/camera_info", CameraInfo)
@@ -116,6 +118,14 @@ class Links:
         self._contact.publish(Bool(closed))
         if "input_done" in self._subscribers and self._present("input_done"):
             self._wait("input_done/charging_contact", "input_done", expected)
+
+    def publish_obstacles(self, time_ns: int) -> None:
+        """What stands in the way, once; latched. In lock-step the docking node knows it before the time goes on."""
+        if self._obstacles is None:
+            return
+        self._obstacles.publish(messages.obstacles_message(self._options.simulator.obstacles, time_ns))
+        if "input_done" in self._subscribers and self._present("input_done"):
+            self._wait("input_done/obstacles", "input_done", time_ns)
 
     def publish_collisions(self, count: int) -> None:
         """How often the chair ran into something; latched."""
@@ -185,6 +195,8 @@ class Links:
             return f"{', '.join(sorted(detectors))} does not listen to the pictures and camera_info"
         if controllers and not controllers & subscribers_of(self._odometry):
             return f"{', '.join(sorted(controllers))} does not listen to {rospy.resolve_name('odom')}"
+        if self._obstacles is not None and controllers and not controllers & subscribers_of(self._obstacles):
+            return f"{', '.join(sorted(controllers))} does not listen to {rospy.resolve_name('obstacles')}"
         return _unlinked(detectors, "detections", controllers) or _unlinked(controllers, "velocity_request", gates)
 
     def close(self) -> None:

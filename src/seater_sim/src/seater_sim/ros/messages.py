@@ -7,15 +7,16 @@ import math
 import cv2
 import numpy as np
 import rospy
-from geometry_msgs.msg import Quaternion, TransformStamped
+from geometry_msgs.msg import Point32, Polygon, Quaternion, TransformStamped
 from nav_msgs.msg import Odometry
 from numpy.typing import ArrayLike, NDArray
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from seater_common.geometry import CameraMount, rotation_rpy
+from seater_msgs.msg import ObstacleArray
 from seater_sim.camera_model import CameraModel
 from seater_sim.odometry import VARIANCE_FLOOR, OdometrySample
-from seater_sim.settings import NANOSECONDS, CameraSettings
+from seater_sim.settings import NANOSECONDS, CameraSettings, Obstacle
 from seater_sim.simulator import Picture, Truth
 
 OPTICAL_FRAME = "camera_color_optical_frame"
@@ -49,6 +50,16 @@ def truth_message(truth: Truth) -> Odometry:
     message.header.frame_id = "dock_truth"
     message.child_frame_id = "base_link"
     _set_pose(message, truth.pose, truth.v, truth.omega)
+    return message
+
+
+def obstacles_message(obstacles: list[Obstacle], time_ns: int) -> ObstacleArray:
+    """What stands in the way, in the frame of the dock: where it truly is, seen from where the dock truly is."""
+    message = ObstacleArray()
+    message.header.stamp, message.header.frame_id = stamp(time_ns), "dock"
+    message.polygons = [
+        Polygon([Point32(float(x), float(y), 0.0) for x, y in obstacle.polygon()]) for obstacle in obstacles
+    ]
     return message
 
 

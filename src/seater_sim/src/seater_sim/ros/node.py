@@ -81,6 +81,7 @@ class SimNode:
         self._links.publish_static(self._simulator)
         self._publish_contact(self._simulator.truth.contact, self._simulator.truth.collisions)
         self._wait_for_participants()
+        self._links.publish_obstacles(self._simulator.time_ns)
         # The state at the start, so that a goal can be given while the time still stands.
         self._links.publish_truth(self._simulator.truth)
         self._send_odometry(self._simulator.first_odometry())

@@ -29,6 +29,7 @@ class RunSettings:
         list(PARTICIPANTS), "", "topics whose publishers must be connected before the first step", choices=PARTICIPANTS
     )
     answer_timeout: float = param(20.0, "s", "wall time after which a missing answer is given up", low=0.1, high=3600.0)
+    publish_obstacles: bool = param(True, "", "tell the docking node what stands in the way, on `obstacles`")
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Options(RunSettings):
 
 
 # These few may be left out; everything else is required.
-OPTIONAL: dict[str, Any] = {"participants": list(PARTICIPANTS), "answer_timeout": 20.0}
+OPTIONAL: dict[str, Any] = {"participants": list(PARTICIPANTS), "answer_timeout": 20.0, "publish_obstacles": True}
 
 
 def load_options() -> Options:

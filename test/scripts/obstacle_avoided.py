@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""Docks round an obstacle beside the straight way; the TRUE final error is small, nothing was touched, the chair stands."""
+
+import math
+import sys
+
+import numpy as np
+import rospy
+import rostest
+from seater_test.harness import DockingCase
+from std_msgs.msg import UInt32
+
+from seater_common.geometry import polygon_distance
+from seater_msgs.msg import DockResult
+
+LARGEST_DISTANCE = 0.010  # [m]
+LARGEST_HEADING = math.radians(1.0)
+
+
+class ObstacleAvoided(DockingCase):
+    def test_docks_round_the_obstacle(self) -> None:
+        collisions: list[int] = []
+        rospy.Subscriber("collisions", UInt32, lambda message: collisions.append(message.data), queue_size=100)
+        self.wait(lambda: bool(collisions), "the simulator's collisions")
+        (obstacle,) = rospy.get_param("/sim/simulator/obstacles")
+        outline = np.array(obstacle["outline"]).reshape(-1, 2)
+        self.start()
+        start = np.array(self.truth[-1][1:4])
+        straight = [start + share * ([self.dock.predock_x, 0.0, 0.0] - start) for share in np.linspace(0.0, 1.0, 50)]
+        self.assertLess(min(self.gap(pose, outline) for pose in straight), 0.0, "the straight way is free already")
+        result = self.result()
+        self.assertEqual(result.result_code, DockResult.SUCCESS, result.result_text)
+        distance, heading = self.final_error()
+        nearest = min(self.gap(row[1:4], outline) for row in self.truth)
+        text = "true final error %.2f mm, %.3f deg, nearest to the obstacle %.3f m, %d retries"
+        rospy.loginfo(text, 1e3 * distance, math.degrees(heading), nearest, result.num_retries)
+        self.assertLessEqual(distance, LARGEST_DISTANCE)
+        self.assertLessEqual(heading, LARGEST_HEADING)
+        self.assertGreater(nearest, 0.0, "the chair touched the obstacle")
+        self.assertEqual(collisions, [0])
+        self.assert_standing()
+        self.assert_commands_within_limits()
+
+    def gap(self, pose: list[float], outline: np.ndarray) -> float:
+        return polygon_distance(self.chair.corners_at(pose), outline)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("seater_test", "obstacle_avoided", ObstacleAvoided, sys.argv)
