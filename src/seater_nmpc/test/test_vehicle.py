@@ -42,7 +42,7 @@ def test_camera_mount_is_turned_by_pi_about_z(yaw: float) -> None:
 
 def test_a_chair_that_cannot_reverse_is_refused() -> None:
     chair = replace(Chair(), limits=replace(Chair().limits, v_reverse_max=0.0))
-    with pytest.raises(ValueError, match="v_reverse_max: is 0.0, must be > 0"):
+    with pytest.raises(ValueError, match=r"v_reverse_max: is 0\.0, must be > 0"):
         Vehicle(chair, BACKWARD)
     assert Vehicle(chair, Dock()).chair == chair
 
