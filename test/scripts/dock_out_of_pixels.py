@@ -10,6 +10,7 @@ from seater_test.harness import DockingCase
 
 from seater_common.geometry import clearance
 from seater_msgs.msg import DockResult
+from seater_nmpc.limits import in_bay
 
 LARGEST_DISTANCE = 0.010  # [m]
 LARGEST_HEADING = math.radians(1.0)
@@ -32,7 +33,7 @@ class DockOutOfPixels(DockingCase):
         self.assert_slow_inside_the_bay()
 
     def assert_slow_inside_the_bay(self) -> None:
-        inside = [row for row in self.truth if row[1] + self.chair.length_front > self.dock.bay.entrance_x]
+        inside = [row for row in self.truth if in_bay(self.chair, self.dock.bay, row[1:4])]
         self.assertTrue(inside, "the chair never reached the bay")
         # 0.01 m/s for the lag between the command and the motors.
         self.assertLessEqual(max(abs(row[4]) for row in inside), self.chair.limits.v_bay_max + 0.01)

@@ -7,6 +7,7 @@ from seater_common.geometry import (
     Bay,
     CameraMount,
     Chair,
+    Dock,
     Marker,
     clearance,
     planar_pose,
@@ -61,3 +62,11 @@ def test_rotation_matrix_of_a_quaternion_about_each_axis() -> None:
         quaternion = [0.0, 0.0, 0.0, math.cos(half)]
         quaternion[axis] = math.sin(half)
         np.testing.assert_allclose(rotation_matrix(*quaternion), rotation_rpy(*rpy), atol=1e-15)
+
+
+def test_docking_error_is_zero_in_the_docked_pose_of_either_direction() -> None:
+    for direction, heading in (("forward", 0.0), ("backward", math.pi)):
+        dock = Dock(direction=direction)
+        assert dock.docked_pose == pytest.approx([0.0, 0.0, heading])
+        assert dock.docking_error([0.1, -0.2, heading + 0.3]) == pytest.approx([0.1, -0.2, 0.3])
+        assert dock.docking_error([0.1, -0.2, heading + 0.3 - 2.0 * math.pi]) == pytest.approx([0.1, -0.2, 0.3])

@@ -23,6 +23,7 @@ from seater_nmpc.odometry import Odometry  # noqa: E402
 from seater_nmpc.parameters import ControlParameters  # noqa: E402
 from seater_nmpc.results import Step  # noqa: E402
 from seater_nmpc.sequence import DockingSequence  # noqa: E402
+from seater_nmpc.vehicle import Vehicle  # noqa: E402
 
 T_ODOM_DOCK = np.array([1.0, 2.0, 0.7])
 NOISE = (0.002, 0.003)  # standard deviations of a picture's pose [m, rad]
@@ -48,6 +49,7 @@ class World:
     contact: Callable[[World], bool | None] = lambda world: None
     odometry_alive: Callable[[World], bool] = lambda world: True
     obeys: bool = True
+    vehicle: Vehicle = field(default_factory=lambda: Vehicle(Chair(), Dock()))
     now: float = 10.0
     v: float = 0.0
     omega: float = 0.0
@@ -64,7 +66,8 @@ class World:
         self.truth = arc_step(self.truth, self.v, self.omega, 0.01)
         self.smallest_clearance = min(self.smallest_clearance, clearance(self.chair, self.dock.bay, self.truth))
         if self.odometry_alive(self):
-            self.sequence.add_odometry(Odometry(self.now, compose(T_ODOM_DOCK, self.truth), self.v, self.omega))
+            odometry = Odometry(self.now, compose(T_ODOM_DOCK, self.truth), self.v, self.omega)
+            self.sequence.add_odometry(self.vehicle.odometry(odometry))
             if round(self.now * 100) % 3 == 0:
                 error = self.noise.normal(size=3) * [NOISE[0], NOISE[0], NOISE[1]]
                 found = [observation(self.chair, inverse(self.truth) + error)] if self.seen(self) else []
@@ -77,7 +80,7 @@ class World:
             for _ in range(5):
                 self.tick()
             step = self.sequence.update(self.now, self.contact(self))
-            self.commands.append(step.command)
+            self.commands.append(self.vehicle.command(step.command))
             if not self.phases or self.phases[-1] != step.phase.name:
                 self.phases.append(step.phase.name)
             if step.done or until(step):

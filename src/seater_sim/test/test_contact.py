@@ -54,3 +54,11 @@ def test_obstacles_count_too() -> None:
     walls = Walls(Chair(), Bay(), [square])
     assert walls.distance_if_free(np.array([-0.75, 0.0, 0.0])) == pytest.approx(0.175)
     assert walls.distance(np.array([-0.75, 0.0, 0.0])) == pytest.approx(0.175)
+
+
+def test_contact_of_a_backward_dock_closes_with_the_back_to_the_wall() -> None:
+    contact = ChargingContact(ContactSettings(max_speed=0.02, max_omega=0.05), Dock(direction="backward"))
+    assert not contact.update([0.0, 0.0, 0.0], 0.0, 0.0)
+    assert contact.update([0.010, -0.010, np.pi - 0.034], 0.0, 0.0)
+    assert contact.update([0.010, -0.010, -np.pi + 0.034], 0.0, 0.0)
+    assert not contact.update([0.0, 0.0, -np.pi + 0.036], 0.0, 0.0)

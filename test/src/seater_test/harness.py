@@ -76,7 +76,7 @@ class DockingCase(unittest.TestCase):
 
     def final_error(self) -> tuple[float, float]:
         """True distance [m] and heading error [rad]."""
-        _, x, y, heading = self.truth[-1][:4]
+        x, y, heading = self.dock.docking_error(self.truth[-1][1:4])
         return math.hypot(x, y), abs(heading)
 
     def _on_truth(self, message: Odometry) -> None:

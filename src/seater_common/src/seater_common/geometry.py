@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.params import param
-from seater_common.se2 import transform_points
+from seater_common.se2 import transform_points, wrap_angle
 
 Array = NDArray[np.float64]
 
@@ -139,9 +139,13 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Dock:
-    """A dock: the frame `dock` is where base_link must be when docked, x pointing the way the docked chair faces."""
+    """A dock: the frame `dock` is where base_link's origin must be when docked, x pointing into the bay.
+
+    The docked chair faces along x, or, at a dock that is entered backward, against it.
+    """
 
     name: str = param("default", "", "how a goal names it")
+    direction: str = param("forward", "", "end of the chair that goes in first", choices=("forward", "backward"))
     dictionary: str = param("DICT_4X4_50", "", "OpenCV's name of the marker dictionary")
     markers: list[Marker] = field(
         default_factory=lambda: [
@@ -163,6 +167,16 @@ class Dock:
             raise ValueError("markers: is empty, must name at least one marker")
         if len(set(ids)) != len(ids):
             raise ValueError(f"markers: ids {ids} are not all different")
+
+    @property
+    def docked_pose(self) -> Array:
+        """Pose (x, y, heading) of the docked chair's base_link in the dock frame [m, m, rad]."""
+        return np.array([0.0, 0.0, math.pi if self.direction == "backward" else 0.0])
+
+    def docking_error(self, T_dock_base: ArrayLike) -> Array:
+        """(x, y, heading) [m, m, rad] of base_link, along the dock's axes, less the docked pose: zero when docked."""
+        x, y, heading = np.asarray(T_dock_base, dtype=float) - self.docked_pose
+        return np.array([x, y, wrap_angle(heading)])
 
 
 def rotation_rpy(roll: float, pitch: float, yaw: float) -> Array:

@@ -60,7 +60,7 @@ def _draw_map(axes: Axes, recording: Recording, dock: Dock, chair: Chair) -> Non
     _draw_chair(axes, chair, poses[0], START, "start")
     _draw_chair(axes, chair, poses[-1], PATH, "end")
     axes.add_patch(
-        Polygon(chair.corners(), closed=True, fill=False, edgecolor=GOAL, lw=1.6, ls="--", label="docking pose")
+        Polygon(chair.corners_at(dock.docked_pose), fill=False, edgecolor=GOAL, lw=1.6, ls="--", label="docking pose")
     )
     axes.plot(dock.predock_x, 0.0, marker="x", color=GOAL, ms=8, ls="none", label="predock point")
     axes.set_aspect("equal")
@@ -138,7 +138,7 @@ def _draw_speeds(axes: Axes, recording: Recording) -> None:
 
 def _draw_errors(axes: Axes, recording: Recording, dock: Dock) -> None:
     time, t0 = _relative_time(recording)
-    x, y, heading = recording.truth[:, 1], recording.truth[:, 2], recording.truth[:, 3]
+    x, y, heading = np.array([dock.docking_error(pose) for pose in recording.truth[:, 1:4]]).T
     axes.semilogy(time, 1e3 * np.hypot(x, y), color=PATH, label="distance [mm]")
     axes.semilogy(time, 1e3 * np.abs(y), color=GOAL, lw=1.0, label="lateral [mm]")
     axes.semilogy(time, np.degrees(np.abs(heading)), color=START, lw=1.0, label="heading [deg]")

@@ -18,11 +18,11 @@ SUCCESS_CODES = (0, 1)  # DockResult.SUCCESS, DockResult.ALREADY_DOCKED
 def summarize(recording: Recording, dock: Dock, chair: Chair) -> dict[str, Any]:
     """The contents of summary.json.
 
-    true_error is base_link in the true dock frame when the run ended; estimate_error is the estimated dock in the true
+    true_error is the docking error in the true dock frame when the run ended; estimate_error is the estimated dock in the true
     dock frame, at the time of the last estimate. Docked means: the action says success and the truth agrees.
     """
     final = recording.truth[-1, 1:4]
-    error = error_of(final)
+    error = error_of(dock.docking_error(final))
     result = recording.result
     code = int(result.result_code) if result is not None else 999
     within = error["position_m"] <= dock.tolerance.position and abs(error["heading_deg"]) <= math.degrees(

@@ -18,12 +18,12 @@ class ChargingContact:
 
     def __init__(self, settings: ContactSettings, dock: Dock) -> None:
         self._settings = settings
-        self._tolerance = dock.contact_tolerance
+        self._dock, self._tolerance = dock, dock.contact_tolerance
         self.closed = False
 
     def update(self, pose: ArrayLike, v: float, omega: float) -> bool:
         """The contact for the true pose (x, y, heading) in the dock frame and the true speeds."""
-        x, y, heading = np.asarray(pose, dtype=float)
+        x, y, heading = self._dock.docking_error(pose)
         tolerance = self._tolerance
         inside = math.hypot(x, y) <= tolerance.position and abs(heading) <= tolerance.heading
         slow = abs(v) <= self._settings.max_speed and abs(omega) <= self._settings.max_omega

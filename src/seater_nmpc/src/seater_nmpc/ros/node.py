@@ -31,6 +31,7 @@ from seater_nmpc.ros.goals import Goals, valid_timeout
 from seater_nmpc.ros.obstacles import Obstacles
 from seater_nmpc.sequence import DockingSequence
 from seater_nmpc.shadow import Shadow
+from seater_nmpc.vehicle import Vehicle
 
 ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal
 TIME_JUMP = 1.0  # [s] odometry this much older than the last one means that time started anew
@@ -43,6 +44,8 @@ class DockingNode:
     def __init__(self) -> None:
         chair = load(Chair, rospy.get_param("~chair", None), rospy.resolve_name("~chair"))
         self._dock = load(Dock, rospy.get_param("~dock", None), rospy.resolve_name("~dock"))
+        self._vehicle = Vehicle(chair, self._dock)
+        chair = self._vehicle.chair  # from here on it docks forward
         self._parameters = load(NmpcParameters, rospy.get_param("~controller", None), rospy.resolve_name("~controller"))
         self._lock_step = _flag("~lock_step")
         shadow = _flag("~shadow")
@@ -153,7 +156,7 @@ class DockingNode:
             self._observer.odometry.clear()
             self._observer.reset()
             self._cycle = -1
-        if not self._sequence.add_odometry(conversions.odometry(message)):
+        if not self._sequence.add_odometry(self._vehicle.odometry(conversions.odometry(message))):
             rospy.logwarn_throttle(1.0, "odometry refused: not finite, or its stamp %.3f is not newer", stamp)
         self._stamp = max(self._stamp, message.header.stamp) if self._cycle >= 0 else message.header.stamp
         self._odom_frame = message.header.frame_id or self._odom_frame
@@ -169,7 +172,7 @@ class DockingNode:
         self._set_obstacles(now)
         if self._shadow is not None:
             command = self._shadow.update(now)
-            self._report(command or Command(0.0, 0.0), "SHADOW")
+            self._report(self._vehicle.command(command or Command(0.0, 0.0)), "SHADOW")
         elif self._sequence.active:
             self._send(self._sequence.update(now, self._contact))
         else:
@@ -184,7 +187,7 @@ class DockingNode:
         self._controller.set_obstacles(self._obstacles.now(now, self._odom_frame, dock))
 
     def _send(self, step: Step) -> None:
-        command = step.command
+        command = self._vehicle.command(step.command)
         self._publish_request(command.v, command.omega)
         self._report(command, step.phase.name)
         self._goals.publish(step)
