@@ -110,3 +110,10 @@ def test_the_picture_is_drawn(tmp_path) -> None:
     run = straight_run()
     draw_docking(run, summarize(run, Dock(), Chair()), Dock(), Chair(), tmp_path / "trajectory.png")
     assert (tmp_path / "trajectory.png").stat().st_size > 20_000
+
+
+def test_a_backward_dock_is_judged_with_the_back_to_the_wall() -> None:
+    run = straight_run(final=(0.002, -0.003, math.pi + 0.2 * DEG))
+    summary = summarize(run, Dock(direction="backward"), Chair())
+    assert summary["docked"] and summary["true_error"]["heading_deg"] == pytest.approx(0.2)
+    assert not summarize(run, Dock(), Chair())["docked"]
