@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import Chair, Dock
+from seater_common.se2 import wrap_angle
 from seater_nmpc.guide import Guide
 from seater_nmpc.parameters import ControlParameters, PlannerParameters
 from seater_nmpc.planner import Planner
 
 Array = NDArray[np.float64]
 
+_LOOKAHEADS = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)  # shares of `lookahead` that are tried, the farthest first
 _LANE_STEPS = 12  # poses between the chair and the bay at which the straight way is looked at
 
 
@@ -52,7 +54,18 @@ class Navigator:
             self._guide = None if path is None else Guide(path, self._parameters)
         if self._guide is None:
             return None
-        return self._guide.target(pose, self._parameters.lookahead if self._planner.obstacles else math.inf)
+        return self._farthest(self._guide, np.asarray(pose, dtype=float))
+
+    def _farthest(self, guide: Guide, pose: Array) -> Array:
+        """The farthest target on the way that the chair can drive straight to: behind the corner of an obstacle, the controller
+        would not find its way round."""
+        if not self._planner.obstacles:
+            return guide.target(pose, math.inf)
+        for share in _LOOKAHEADS:
+            target = guide.target(pose, share * self._parameters.lookahead)
+            if self._planner.clear_of_obstacles(_between(pose, target)):
+                break
+        return target
 
     def blocked(self) -> bool:
         """Whether obstacles leave no way into the bay, wherever the chair is."""
@@ -66,6 +79,13 @@ class Navigator:
         pose = np.asarray(pose, dtype=float)
         gate = np.array([max(self._gate_x, pose[0]), 0.0, 0.0])
         return self._planner.clear_of_obstacles(np.vstack([pose + share * (gate - pose), (1.0 - share) * gate]))
+
+
+def _between(start: Array, end: Array) -> Array:
+    """Poses (n, 3) of a straight drive from one pose to the other, turning evenly."""
+    step = end - start
+    step[2] = wrap_angle(float(step[2]))
+    return start + np.linspace(0.0, 1.0, _LANE_STEPS)[:, None] * step
 
 
 def _moved(before: list[Array], now: list[Array], shift: float) -> bool:
