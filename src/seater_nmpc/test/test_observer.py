@@ -202,3 +202,19 @@ def test_error_is_as_large_as_the_covariance_says() -> None:
         values.append(residual @ np.linalg.solve(estimate.covariance, residual))
     assert 2.19 < np.mean(values) < 3.94
     assert wrap_angle(residual[2]) == residual[2]
+
+
+def test_two_poses_that_both_agree_are_told_apart_by_all_weights_together() -> None:
+    """A flip that stays put while the chair stands: 0.6 to 0.4 in each picture, now and then the wrong one ahead."""
+    observer = DockObserver(CHAIR.camera, ObserverParameters(acquire_odds=20.0))
+    standing(observer, [-2.0, 0.0, 0.0], 0.0, 2.0)
+    true, flip = inverse([-2.0, 0.0, 0.0]), inverse([-2.0, 0.0, 0.0]) + [0.0, 0.0, 0.4]
+    outcomes = []
+    for k in range(10):
+        weight = 0.45 if k % 5 == 4 else 0.65
+        offered = [observation(CHAIR, flip, weight=1.0 - weight), observation(CHAIR, true, weight=weight)]
+        outcomes.append(observer.add_detections(0.1 + 0.1 * k, offered))
+        if outcomes[-1] is Outcome.ACQUIRED:
+            break
+    assert outcomes[4] is Outcome.ACQUIRING and outcomes[-1] is Outcome.ACQUIRED
+    assert observer.estimate().pose == pytest.approx(T_ODOM_DOCK, abs=1e-6)

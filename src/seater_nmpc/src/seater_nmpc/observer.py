@@ -19,8 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import CameraMount
 from seater_common.se2 import wrap_angle
+from seater_nmpc.acquisition import Acquisition, Track
 from seater_nmpc.drift import scale_covariance, transition
-from seater_nmpc.measurement import Hypothesis, Measurement, combine, difference, distance, in_frame, project
+from seater_nmpc.measurement import Hypothesis, Measurement, difference, distance, in_frame, project
 from seater_nmpc.odometry import Instant, Odometry, OdometryBuffer
 from seater_nmpc.parameters import ObserverParameters
 
@@ -68,11 +69,11 @@ class DockObserver:
     ) -> None:
         """`standing`: the first estimate is made only while the chair stands."""
         self._T_base_optical = mount.T_base_optical()
-        self._parameters = parameters or ObserverParameters()
+        self.parameters = parameters or ObserverParameters()
         self._standing = standing
-        p = self._parameters
+        p = self.parameters
         self._calibration = np.diag([p.calibration_position**2, p.calibration_position**2, p.calibration_heading**2])
-        self.odometry = OdometryBuffer(self._parameters.buffer_duration, self._parameters.max_extrapolation)
+        self.odometry = OdometryBuffer(self.parameters.buffer_duration, self.parameters.max_extrapolation)
         self.counts: Counter[Outcome] = Counter()
         self.refused_odometry = 0
         self.reset()
@@ -82,8 +83,9 @@ class DockObserver:
         self._prior = None if prior is None else np.asarray(prior, dtype=float)
         self._prior_radius = prior_radius
         self._states: deque[_State] = deque()
-        self._candidates: deque[tuple[Instant, Measurement]] = deque(maxlen=self._parameters.acquire_count)
-        self._rejected: deque[tuple[Instant, Measurement]] = deque(maxlen=self._parameters.reacquire_count)
+        p = self.parameters
+        self._candidates = Acquisition(p.acquire_count, p.gate, p.acquire_odds, self._calibration)
+        self._rejected = Acquisition(p.reacquire_count, p.gate, p.acquire_odds, self._calibration)
 
     def add_odometry(self, odometry: Odometry) -> bool:
         """Take an odometry message; false when it is refused (not finite, not newer)."""
@@ -127,7 +129,7 @@ class DockObserver:
 
     def _offered(self, chair: Instant, hypotheses: list[Hypothesis]) -> list[Measurement]:
         """The hypotheses that can be a dock on the floor, in odom."""
-        p, result = self._parameters, []
+        p, result = self.parameters, []
         for hypothesis in hypotheses:
             planar = project(self._T_base_optical, hypothesis)
             if planar is None or planar.tilt > p.max_tilt or abs(planar.height) > p.max_height:
@@ -138,33 +140,24 @@ class DockObserver:
     def _acquire(self, chair: Instant, offered: list[Measurement]) -> Outcome:
         if self._prior is not None:
             offered = [m for m in offered if math.dist(m.pose[:2], self._prior[:2]) <= self._prior_radius]
-        moving = max(abs(chair.v), abs(chair.omega)) > self._parameters.acquire_speed
+        moving = max(abs(chair.v), abs(chair.omega)) > self.parameters.acquire_speed
         if not offered or (self._standing and moving):
             self._candidates.clear()
             return Outcome.ACQUIRING
-        best = max(offered, key=lambda measurement: measurement.weight)
-        self._candidates.append((chair, best))
-        if not self._agree(self._candidates):
+        track = self._candidates.offer(chair, offered)
+        if track is None:
             return Outcome.ACQUIRING
-        self._begin(self._candidates)
+        self._begin(track)
         return Outcome.ACQUIRED
 
-    def _agree(self, found: deque[tuple[Instant, Measurement]]) -> bool:
-        """Whether there are enough measurements, and each is within the gate of their mean."""
-        if len(found) < (found.maxlen or 1):
-            return False
-        mean = combine([measurement for _, measurement in found])
-        return all(self._distance(m, mean.pose, 0.0) <= self._parameters.gate for _, m in found)
-
-    def _begin(self, found: deque[tuple[Instant, Measurement]]) -> None:
+    def _begin(self, track: Track) -> None:
         """From the first measurement and what is known about such odometry; the others are fused one after the other."""
-        pictures = sorted(found, key=lambda entry: entry[0].stamp)
-        chair, first = pictures[0]
+        chair, first = track[0]
         covariance = np.zeros((6, 6))
-        covariance[:3, :3], covariance[3:, 3:] = first.covariance, scale_covariance(self._parameters)
+        covariance[:3, :3], covariance[3:, 3:] = first.covariance, scale_covariance(self.parameters)
         self._states.clear()
         self._states.append(_State(chair, np.concatenate([first.pose, np.zeros(3)]), covariance, first))
-        for chair, measurement in pictures[1:]:
+        for chair, measurement in track[1:]:
             self._update(chair, measurement)
         self._candidates.clear()
         self._rejected.clear()
@@ -175,11 +168,8 @@ class DockObserver:
             return Outcome.NO_ODOMETRY  # older than everything that is kept
         before = self._states[len(self._states) - len(later) - 1]
         mean, predicted = self._predict(before, chair)
-        score, best = min(
-            ((self._distance(m, mean[:3], predicted[:3, :3]) - 2.0 * math.log(m.weight), m) for m in offered),
-            key=lambda scored: scored[0],
-        )
-        if score + 2.0 * math.log(best.weight) > self._parameters.gate:
+        far, best = self._likeliest(offered, mean[:3], predicted[:3, :3])
+        if far > self.parameters.gate:
             return self._reject(chair, offered)
         self._rejected.clear()
         for _ in later:
@@ -187,16 +177,22 @@ class DockObserver:
         self._update(chair, best)
         for state in later:
             self._update(state.instant, state.measurement)
-        while len(self._states) > 1 and self._states[0].instant.stamp < chair.stamp - self._parameters.buffer_duration:
+        while len(self._states) > 1 and self._states[0].instant.stamp < chair.stamp - self.parameters.buffer_duration:
             self._states.popleft()
         return Outcome.FUSED
 
-    def _distance(self, measurement: Measurement, pose: Array, covariance: Array | float) -> float:
-        """Squared, for the gate."""
-        return distance(measurement.pose, pose, covariance + measurement.covariance + self._calibration)
+    def _likeliest(self, offered: list[Measurement], pose: Array, covariance: Array) -> tuple[float, Measurement]:
+        """Of the poses that one picture leaves open; with its squared distance from the expected one, for the gate."""
+        scored = []
+        for measurement in offered:
+            S = covariance + measurement.covariance + self._calibration
+            far = distance(measurement.pose, pose, S)
+            scored.append((far + float(np.linalg.slogdet(S)[1]) - 2.0 * math.log(measurement.weight), far, measurement))
+        _, far, best = min(scored, key=lambda entry: entry[0])
+        return far, best
 
     def _predict(self, last: _State, now: Instant) -> tuple[Array, Array]:
-        F, Q = transition(last.mean[:3], last.instant, now, self._parameters)
+        F, Q = transition(last.mean[:3], last.instant, now, self.parameters)
         mean = F @ last.mean
         mean[2] = wrap_angle(float(mean[2]))
         return mean, F @ last.covariance @ F.T + Q
@@ -212,8 +208,8 @@ class DockObserver:
         self._states.append(_State(chair, mean, covariance, measurement))
 
     def _reject(self, chair: Instant, offered: list[Measurement]) -> Outcome:
-        self._rejected.append((chair, max(offered, key=lambda measurement: measurement.weight)))
-        if not self._agree(self._rejected):
+        track = self._rejected.offer(chair, offered)
+        if track is None:
             return Outcome.REJECTED
-        self._begin(self._rejected)
+        self._begin(track)
         return Outcome.REACQUIRED

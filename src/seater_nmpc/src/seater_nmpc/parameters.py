@@ -166,6 +166,9 @@ class ObserverParameters:
         8, "", "rejected measurements in a row, consistent among themselves, that replace the estimate", low=2, high=100
     )
     gate: float = param(16.3, "", "chi-square gate, 3 degrees of freedom (16.3: 99.9 %)", low=1.0, high=1000.0)
+    acquire_odds: float = param(
+        20.0, "", "odds for one of several poses that pictures leave open, before it is believed", low=1.0, high=1e6
+    )
     calibration_position: float = param(
         0.001, "m", "what calibration leaves, the same in every picture, standard deviation", low=0.0, high=0.1
     )
@@ -180,6 +183,16 @@ class ObserverParameters:
     )
     heading_noise: float = param(0.002, "rad/sqrt(m)", "random turn after 1 m driven", low=0.0, high=1.0)
     turn_noise: float = param(0.004, "rad/sqrt(rad)", "random error of turns after 1 rad", low=0.0, high=1.0)
+    speed_noise: float = param(0.02, "m/s", "odometry's speed, standard deviation of one message", low=1e-4, high=0.5)
+    omega_noise: float = param(0.02, "rad/s", "the same for its turning rate", low=1e-4, high=1.0)
+    speed_agility: float = param(
+        0.15,
+        "m/s^2",
+        "how far the motors deviate from the lag that is assumed, standard deviation",
+        low=0.001,
+        high=5.0,
+    )
+    omega_agility: float = param(0.3, "rad/s^2", "the same for the turning rate", low=0.001, high=10.0)
     max_tilt: float = param(
         0.35,
         "rad",

@@ -56,8 +56,14 @@ class CommandHistory:
         The motors follow each command with a first-order lag; without lag the measured speeds hold until the first
         command that acts.
         """
-        end, lag = self.acts_at(stamp), self._parameters.motor_lag
-        pose, time = np.asarray(pose, dtype=float), stamp
+        return self._advance(stamp, self.acts_at(stamp), np.asarray(pose, dtype=float), v, omega)
+
+    def speeds(self, start: float, end: float, v: float, omega: float) -> tuple[float, float]:
+        """v and omega at `end`, from those at `start`; as in `roll`."""
+        return self._advance(start, end, np.zeros(3), v, omega)[1:]
+
+    def _advance(self, time: float, end: float, pose: Array, v: float, omega: float) -> tuple[Array, float, float]:
+        lag = self._parameters.motor_lag
         while time < end - 1e-9:
             changes = [at for at, _, _ in self._sent if at > time + 1e-9]
             step = min([end - time, _SUBSTEP, *(at - time for at in changes)])

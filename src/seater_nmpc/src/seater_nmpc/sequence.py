@@ -22,6 +22,7 @@ from seater_common.se2 import relative
 from seater_nmpc.controller import Command, DockingController, Target
 from seater_nmpc.corridor import Corridor
 from seater_nmpc.measurement import Hypothesis
+from seater_nmpc.motion import MotionObserver
 from seater_nmpc.navigator import Navigator
 from seater_nmpc.observer import DockEstimate, DockObserver, Outcome
 from seater_nmpc.odometry import Instant, Odometry
@@ -58,6 +59,7 @@ class DockingSequence:
         """`navigator`: finds the way to the bay; None: one with default parameters."""
         self._navigator = navigator or Navigator(chair, dock, controller.parameters)
         self._chair, self._dock, self._controller, self.observer = chair, dock, controller, observer
+        self._motion = MotionObserver(controller.parameters.prediction, observer.parameters)
         self._parameters = parameters or SequenceParameters()
         self._require_contact = require_contact
         self._handlers: dict[Phase, Callable[[Instant], Command]] = {
@@ -103,7 +105,10 @@ class DockingSequence:
 
     def add_odometry(self, odometry: Odometry) -> bool:
         """Take an odometry message; false when it was refused and counted."""
-        return self.observer.add_odometry(odometry)
+        taken = self.observer.add_odometry(odometry)
+        if taken:
+            self._motion.add_odometry(odometry)
+        return taken
 
     def add_detections(self, stamp: float, hypotheses: list[Hypothesis]) -> Outcome:
         """Take the dock observations of one picture."""
@@ -140,6 +145,7 @@ class DockingSequence:
         self._goal_start, self._now, self._timeout, self._retries = now, now, timeout, 0
         self._error: Array | None = None
         self._T_odom_dock: Array | None = None
+        self._motion.forget_commands()
         self._enter(phase)
 
     def _enter(self, phase: Phase) -> None:
@@ -197,7 +203,8 @@ class DockingSequence:
 
     def _drive(self, chair: Instant, target: Target) -> Command:
         assert self._T_odom_dock is not None  # every caller has looked
-        command = self._controller.command(chair.pose, (chair.v, chair.omega), self._T_odom_dock, target, chair.stamp)
+        motion = self._motion.at(chair.stamp)
+        command = self._controller.command(chair.pose, motion, self._T_odom_dock, target, chair.stamp)
         failures = self._controller.counters.consecutive_failures
         if failures >= self._controller.parameters.fallback.max_consecutive:
             raise _End(ResultCode.FAILED_TO_CONTROL, f"{failures} cycles without a solution: {command.text}")
@@ -329,6 +336,7 @@ class DockingSequence:
         return chair.stamp - self._still_since >= self._parameters.standing_time
 
     def _step(self, now: float, command: Command, result: Result | None = None) -> Step:
+        self._motion.sent(now, command.v, command.omega)
         estimate = self.observer.estimate()
         error = self._error
         distance = -1.0 if error is None else math.hypot(error[0], error[1])
@@ -347,4 +355,6 @@ class DockingSequence:
         elapsed = max(0.0, now - self._goal_start)
         x, y, heading = (float(value) for value in error)
         result = Result(code, text, self._retries, elapsed, bool(self._contact), x, y, heading)
-        return self._step(now, _STANDING, result)
+        step = self._step(now, _STANDING, result)
+        self._motion.forget_commands()  # whoever drives from here on does not say
+        return step
