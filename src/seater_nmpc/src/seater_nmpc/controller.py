@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import compose, inverse, relative, transform_points, wrap_angle
 from seater_nmpc.geometry import Areas, dock_areas
+from seater_nmpc.guard import GuardedSolver
 from seater_nmpc.limits import clamp, in_bay
 from seater_nmpc.nlp import Plan, WarmStart
 from seater_nmpc.ocp import make_problem
@@ -29,6 +30,7 @@ _SPEED_MISMATCH = (
     0.05  # [m/s, rad/s] by which the measured speed may differ from the commanded one beside what lag explains
 )
 _COLD_ROUNDS = 4  # solves of a cold start among obstacles, each with the lines that part the last one's plan from them
+_FARTHEST = 1000.0  # [m] distance of the target at which no solver is asked: from 1e300 m fatrop does not come back
 _RESTART_AFTER = 3  # failed solves in a row after which the warm start is thrown away
 
 
@@ -106,9 +108,11 @@ class DockingController:
         self.parameters = parameters or ControlParameters()
         self._areas = dock_areas(dock) if self.parameters.walls else None
         self._problem = make_problem(chair, self.parameters, self._areas)
-        self._solver = solver or make_solver(
+        solver = solver or make_solver(
             self._problem.functions, self.parameters, self._problem.refinement, self._problem.curvature
         )
+        feasibility = max(self.parameters.fallback.feasibility, self.parameters.rti.feasibility)
+        self._solver = GuardedSolver(solver, feasibility)
         ipopt = self.parameters.ipopt
         self._limit = None if deterministic else ipopt.max_wall_time
         self._cold_limit = None if deterministic else ipopt.max_wall_time_cold
@@ -191,6 +195,9 @@ class DockingController:
         ahead = coasting_pose(pose, v, omega, self.parameters.prediction.motor_lag)
         ahead = coasting_pose(ahead, *before, -self._problem.lead)
         state = np.concatenate([relative(compose(dock_pose, T_dock_target), ahead), before])
+        if not (np.all(np.isfinite(state)) and np.max(np.abs(state[:2])) <= _FARTHEST):
+            self.counters.refused_inputs += 1
+            return self._fall_back(stamp, None, f"target is farther than {_FARTHEST:.0f} m")
         areas = None if self._areas is None else self._areas.in_frame(T_dock_target)
         solution = self._solve(state, areas, stamp, T_dock_target)
         slow = self._areas is not None and in_bay(self._chair, self._dock.bay, T_dock_base)

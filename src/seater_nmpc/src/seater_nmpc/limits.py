@@ -21,7 +21,8 @@ def clamp(
     """Speeds within the limits and reachable from `before` within `period` [s]; zero speed asked for when not finite.
 
     `slow`: the bay's limit holds. Where it and the acceleration limit exclude each other, the acceleration limit wins: the
-    chair brakes as hard as it may.
+    chair brakes as hard as it may. The chair's own limits of speed hold even where `before`
+    (a measured speed, say) is beyond them.
     """
     limits = chair.limits
     v, omega = (value if math.isfinite(value) else 0.0 for value in (v, omega))
@@ -31,4 +32,5 @@ def clamp(
     omega = min(max(omega, -limits.omega_max), limits.omega_max)
     v = min(max(v, before[0] - limits.a_max * period), before[0] + limits.a_max * period)
     omega = min(max(omega, before[1] - limits.alpha_max * period), before[1] + limits.alpha_max * period)
-    return v, omega
+    v = min(max(v, -limits.v_reverse_max), limits.v_max)
+    return v, min(max(omega, -limits.omega_max), limits.omega_max)

@@ -14,6 +14,9 @@ import numpy as np
 from seater_nmpc.nlp import ProblemData, WarmStart
 from seater_nmpc.parameters import FatropParameters, IpoptParameters
 
+# What Ipopt says when a function was not finite: what it gives back is where it started, however small the gap looks there.
+_NO_RESULT = ("Invalid_Number_Detected",)
+
 
 class IpoptSolver:
     """Ipopt: the reference. Warm-started with variables, multipliers and a small barrier parameter."""
@@ -201,7 +204,7 @@ def run_nlpsol(
     solve_time = time.perf_counter() - begin
     x, lam_x, lam_g, g = (result[key].full().ravel() for key in ("x", "lam_x", "lam_g", "g"))
     text, cost = str(statistics.get("return_status", "")), float(result["f"])
-    if not all_finite(cost, x, lam_x, lam_g, g):
+    if text in _NO_RESULT or not all_finite(cost, x, lam_x, lam_g, g):
         return failed(start, solve_time, f"not finite ({text})")
     gap = max(outside(x, data.lbx, data.ubx), outside(g, data.lbg, data.ubg))
     status = SolveStatus.SOLVED if statistics.get("success") else SolveStatus.LIMIT
