@@ -135,6 +135,18 @@ def test_a_failed_quadratic_programme_leads_to_the_fallback(rti_controller, monk
     assert set(statuses[14:]) == {Status.SOLVED} and velocity[0] > 0.3
 
 
+def test_a_long_horizon_does_not_swing_between_two_plans() -> None:
+    """Eight seconds ahead, into the bay: with full steps alone the cost goes 22, 56, 22, ... where the solution has 16."""
+    controller = DockingController(CHAIR, DOCK, replace(PARAMETERS, solver="rti", horizon=80), deterministic=True)
+    pose, velocity, statuses = np.array([-3.0, -0.6, 0.1]), (0.0, 0.0), []
+    for _ in range(32):
+        command = controller.command(pose, velocity, [0.0, 0.0, 0.0])
+        velocity = (command.v, command.omega)
+        pose = arc_step(pose, *velocity, 0.05)
+        statuses.append(command.status)
+    assert set(statuses) == {Status.SOLVED}
+
+
 def _impossible(data):
     lower, upper = data.lbg.copy(), data.ubg.copy()
     lower[:5] = upper[:5] = 1e3  # the first step's dynamics: nowhere near the bounds of the inputs

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Any
+from dataclasses import dataclass
 
 from seater_nmpc.solver_interface import Array, Solution, Solver, SolveStatus, all_finite, failed  # isort: skip
 
@@ -18,36 +18,17 @@ import numpy as np
 import piqp
 from scipy.sparse import csc_matrix
 
+from seater_nmpc.buffered_function import BufferedFunction
 from seater_nmpc.nlp import ProblemData, WarmStart
 from seater_nmpc.parameters import RtiParameters
 
 _QP_ITERATIONS = 60  # of PIQP; some ten are the rule
+_SHARES = (1.0, 0.5, 0.25)  # of a step that are tried
+_RISE = 1.0  # by which cost and open constraints may grow in a step, relative and absolute: full steps are the rule
 
 
 class NoStepError(Exception):
     """There is no usable step; the text says why."""
-
-
-class BufferedFunction:
-    """A CasADi function called without conversions: arguments and results live in arrays of this object."""
-
-    def __init__(self, function: ca.Function) -> None:
-        self.inputs = [np.zeros(function.nnz_in(i)) for i in range(function.n_in())]
-        self.outputs = [np.zeros(function.nnz_out(i)) for i in range(function.n_out())]
-        buffer: Any
-        buffer, self._call = function.buffer()
-        self._buffer = buffer  # holds what _call uses
-        for i, values in enumerate(self.inputs):
-            buffer.set_arg(i, values.data)
-        for i, values in enumerate(self.outputs):
-            buffer.set_res(i, values.data)
-
-    def __call__(self, *arguments: Array) -> list[Array]:
-        """The outputs' nonzeros, in arrays that the next call overwrites."""
-        for own, given in zip(self.inputs, arguments, strict=True):
-            own[:] = given
-        self._call()
-        return self.outputs
 
 
 class QuadraticModel:
@@ -126,7 +107,7 @@ class QuadraticModel:
 
 
 class RtiSolver:
-    """Full Newton steps from the last plan; a cold start (no multipliers given) is left to a solver that converges.
+    """Newton steps from the last plan, in full where that does no harm; a cold start (no multipliers) is left to `converging`.
 
     A cycle takes `iterations` steps, and further ones, up to `max_iterations`, while the constraints are open by more than
     `feasibility`; but after the first one only while time remains.
@@ -168,27 +149,73 @@ class RtiSolver:
     def _iterate(
         self, model: QuadraticModel, data: ProblemData, x: Array, lam_g: Array, begin: float, limit: float | None
     ) -> Solution:
-        p, count, gap, cost, began = self._parameters, 0, math.inf, 0.0, begin
-        x, lam_x = model.refined(x, data)[0].copy(), np.zeros(len(data.lbx))
+        p, count, began, lam_x = self._parameters, 0, begin, np.zeros(len(data.lbx))
+        here = _iterate_at(model, x, data)
         while True:
-            result = model.step(x, lam_g, data)
-            x[model.free] += result.x
-            lam_g[model.equal], lam_g[model.unequal] = result.y, result.z_u - result.z_l
-            x[:], cost, g = model.refined(x, data)
-            gap, count, now = float(np.max(np.maximum(data.lbg - g, g - data.ubg))), count + 1, time.perf_counter()
-            if not math.isfinite(gap + cost + float(np.dot(x, x))):
-                raise NoStepError("iterate not finite")
+            result = model.step(here.x, lam_g, data)
+            here = self._advanced(model, data, here, result, lam_g)
+            gap, count, now = here.gap, count + 1, time.perf_counter()
             if count >= (p.iterations if gap <= p.feasibility else max(p.iterations, p.max_iterations)):
                 break
             if limit is not None and now - begin + 1.5 * (now - began) > limit:  # the next one would be late
                 break
             began = now
+        x, cost = here.x, here.cost
         lam_x[model.free] = result.z_bu - result.z_bl
         if not all_finite(0.0, lam_x, lam_g):
             raise NoStepError("multipliers not finite")
         status = SolveStatus.SOLVED if gap <= p.feasibility else SolveStatus.LIMIT
         text = f"quadratic programme: {result.info.iter} iterations, longest step {np.max(np.abs(result.x)):.1e}"
         return Solution(status, x, lam_x, lam_g, cost, max(0.0, gap), count, time.perf_counter() - begin, text)
+
+    @staticmethod
+    def _advanced(
+        model: QuadraticModel, data: ProblemData, here: _Iterate, result: piqp.Result, lam_g: Array
+    ) -> _Iterate:
+        """The point after the step, or after a part of it where the whole one makes cost plus open constraints much worse.
+
+        That happens where the linearisation shows the way across a bend: two points would alternate. Updates lam_g.
+        """
+        multipliers = np.empty_like(lam_g)
+        multipliers[model.equal], multipliers[model.unequal] = result.y, result.z_u - result.z_l
+        price = float(np.max(np.abs(multipliers)))
+        bound, best, least, taken = _worth(here, price) * (1.0 + _RISE) + _RISE, here, math.inf, 1.0
+        for share in _SHARES:
+            x = here.x.copy()
+            x[model.free] += share * result.x
+            there = _iterate_at(model, x, data)
+            worth = _worth(there, price)
+            if worth < least:
+                best, least, taken = there, worth, share
+            if worth <= bound:
+                break
+        lam_g += taken * (multipliers - lam_g)
+        return best
+
+
+def _worth(at: _Iterate, price: float) -> float:
+    """Exact penalty function: cost plus open constraints at the largest multiplier."""
+    return at.cost + price * at.total_gap
+
+
+@dataclass(frozen=True)
+class _Iterate:
+    """A refined point: the honest cost, and by how much the constraints are open, at most and in all."""
+
+    x: Array
+    cost: float
+    gap: float
+    total_gap: float
+
+
+def _iterate_at(model: QuadraticModel, x: Array, data: ProblemData) -> _Iterate:
+    """The point x, refined. Raises NoStepError where anything is not finite."""
+    x, cost, g = model.refined(x, data)
+    amount = np.maximum(np.maximum(data.lbg - g, g - data.ubg), 0.0)
+    gap, total_gap = float(np.max(amount)), float(np.sum(amount))
+    if not math.isfinite(total_gap + cost + float(np.dot(x, x))):
+        raise NoStepError("iterate not finite")
+    return _Iterate(x.copy(), cost, gap, total_gap)
 
 
 def _values(x: ca.SX, p: ca.SX, f: ca.SX, g: ca.SX, refinement: ca.Function | None) -> ca.Function:
