@@ -229,6 +229,7 @@ TEST(Dock, coveredEdgeIsToldByTheCovariance) {
   cv::Mat picture = scene::draw(c, "DICT_4X4_50", {print}, scene::Look(), 1);
   PerceptionParameters by_corners;
   by_corners.refinement = "corners_visp";
+  by_corners.detector.search = "opencv";
   const DockDetector detector(CameraModel::raw(c), scene::defaultDock(), by_corners, CameraMount());
   const DockDetector photometric(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
   const auto free = detector.detect(picture);
