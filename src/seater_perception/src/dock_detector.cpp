@@ -8,8 +8,6 @@ namespace seater_perception {
 
 namespace {
 
-constexpr double kSmallestUnverified = 40.0;  // [px] of a smaller marker, the corners alone prove nothing
-
 /// Only what is not in the layout can be left out of the search.
 std::set<int> idsOf(const DockLayout& layout) {
   std::set<int> ids;
@@ -86,7 +84,9 @@ void DockDetector::refineMarkers(const cv::Mat& grey, DetectionResult& result) c
     }
     const bool fitted =
         refinePhotometrically(grey, camera_, patterns_.of(id), refiner_, priorOf(id), parameters_.pose, marker);
-    if (!fitted && marker.image.side() < kSmallestUnverified) {
+    // The own search is generous with outlines: the grey levels have to prove the code.
+    const bool proved = fitted && marker.image.side() >= parameters_.detector.min_side;
+    if (!proved && parameters_.detector.search == "own") {
       ++result.refused;
     } else {
       kept.push_back(marker);

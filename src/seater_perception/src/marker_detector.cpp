@@ -122,7 +122,7 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const cv:
     MarkerCorners marker;
     marker.id = reading->id;
     marker.corners = reading->corners;
-    markers.push_back(marker);
+    if (marker.side() >= parameters.min_side) markers.push_back(marker);
   }
   return markers;
 }

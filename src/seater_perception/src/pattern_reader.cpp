@@ -20,10 +20,10 @@ constexpr double kSmallestStep = 6.0;          // [grey levels] between border a
 constexpr double kSmallestMargin = 0.04;       // of correlation, over the next best code
 constexpr double kWorthAdjusting = 0.55;       // correlation
 constexpr double kGoodOutline = 0.93;          // correlation
-constexpr double kLargestBitError = 0.62;      // of the contrast
-constexpr int kForgiven = 4;                   // cells of border and quiet zone
-constexpr double kSteps[] = {0.2, 0.1, 0.05};  // [cells] corners are moved by, but
-constexpr double kLargestStep = 1.0;           // [px]
+constexpr double kLargestBitError[] = {0.45, 0.5, 0.55};  // of the contrast, by the code's blur
+constexpr int kForgiven = 4;                              // cells of border and quiet zone
+constexpr double kSteps[] = {0.2, 0.1, 0.05};             // [cells] corners are moved by, but
+constexpr double kLargestStep = 1.0;                      // [px]
 constexpr double kGridStep = 0.5, kMostGridSteps = 10.0;  // [cells] and number: search for a code alone
 constexpr int kFewestSeen = 60;                           // [percent] of the samples
 
@@ -174,7 +174,7 @@ bool PatternReader::everyBit(const Samples& samples, const Code& code, int blur)
   }
   const double n = samples.count, gain = (sgc - sg * sc / n) / (scc - sc * sc / n), offset = (sg - gain * sc) / n;
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  const double limit = kLargestBitError * gain * (*high - *low);
+  const double limit = kLargestBitError[blur] * gain * (*high - *low);
   // Of a large marker, a part of border and quiet zone may be covered; the code itself may not.
   int forgiven = blur == 0 ? kForgiven : 0;
   for (int row = 0, i = 0; row < side_; ++row) {

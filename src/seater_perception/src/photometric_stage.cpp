@@ -14,9 +14,10 @@ constexpr double kClearlyWorse = 15.0;     // of chi-squared: the corners have d
 constexpr double kSideForDecision = 40.0;  // [px] smaller markers' corners do not decide
 // Part of the picture's variance that the pattern has to explain: a small marker has to be proved by it, a large one
 // has been read bit by bit and may be partly covered.
-constexpr double kExplainedSmall = 0.85, kExplainedLarge = 0.5;
-constexpr double kLargeSide = 40.0;  // [px]
-constexpr int kFewestPixels = 300;   // of a marker in a joint fit
+constexpr double kExplainedSmall = 0.9, kExplainedLarge = 0.85;
+constexpr double kLargeSide = 40.0;                         // [px]
+constexpr double kBeyondScale = 0.15, kLargestBlur = 0.95;  // of the range of grey levels; of a cell
+constexpr int kFewestPixels = 300;                          // of a marker in a joint fit
 constexpr double kLargestGap = 0.3;  // [px] rms, between a marker's own corners and those of the joint pose
 
 /// Seeds that the corners cannot tell apart.
@@ -29,6 +30,15 @@ std::vector<Eigen::Isometry3d> openSeeds(const DetectedMarker& marker) {
     if (!decided || h.chi_squared - smallest < kClearlyWorse) seeds.push_back(h.pose);
   }
   return seeds;
+}
+
+/// Grey levels that the sensor could have seen, and a blur that leaves cells to be told apart.
+bool plausible(const PhotometricResult& result, double side, int cells, double full_scale) {
+  const double least = -kBeyondScale * full_scale, most = (1.0 + kBeyondScale) * full_scale;
+  for (const Brightness& b : result.brightness) {
+    if (b.used && (b.offset < least || b.offset + b.gain > most)) return false;
+  }
+  return result.blur_sd < kLargestBlur * side / cells;
 }
 
 bool explains(const PhotometricResult& result, double smallest) {
@@ -112,9 +122,16 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
   const auto seeds = openSeeds(marker);
   const double explained = marker.image.side() < kLargeSide ? kExplainedSmall : kExplainedLarge;
   const bool near = marker.image.edges_fitted;
-  auto hypotheses = distinct(refineBranches(refiner, grey, camera, placement, seeds, near), explained);
-  if (hypotheses.empty() && near)
-    hypotheses = distinct(refineBranches(refiner, grey, camera, placement, seeds), explained);
+  const double full_scale = grey.depth() == CV_16U ? 65535.0 : 255.0;
+  const auto fit = [&](bool close) {
+    auto branches = refineBranches(refiner, grey, camera, placement, seeds, close);
+    for (auto& b : branches) {
+      b.result.converged = b.result.converged && plausible(b.result, marker.image.side(), pattern.cells(), full_scale);
+    }
+    return distinct(branches, explained);
+  };
+  auto hypotheses = fit(near);
+  if (hypotheses.empty() && near) hypotheses = fit(false);
   if (hypotheses.empty()) return false;
   Correspondences seen;
   for (std::size_t i = 0; i < 4; ++i) {

@@ -16,7 +16,7 @@ struct DetectorParameters {
   int threshold_window_max = 23;
   int threshold_window_step = 10;
   double threshold_constant = 7.0;
-  double min_side = 8.0;
+  double min_side = 11.0;
   int search_window = 25;
   double search_constant = 4.0;
   double min_correlation = 0.8;
