@@ -22,8 +22,9 @@ constexpr double kSettledTolerance = 5.0;              // of kFineDone or kCoars
 constexpr int kShrinkings = 8, kShrinkBudget = 5;
 constexpr double kSuspicious = 1.3;  // residuals at edges over those of flat pixels: more is not noise alone
 constexpr double kShrink = 0.6, kShrinkTukey = 4.0;
-constexpr double kLargestScale = 3.0;  // over the noise of flat pixels: what a wrong form of blur may add at edges
-constexpr double kWildScale = 1e4;     // of the first look, when nothing is known of the residuals
+constexpr double kLargestScale = 3.0;   // over the noise of flat pixels: what a wrong form of blur may add at edges
+constexpr double kUnknownNoise = 10.0;  // [grey levels] scale of the first step where no pixel is flat
+constexpr double kWildScale = 1e4;      // of the first look, when nothing is known of the residuals
 
 using Blur = PhotometricProblem::Blur;
 
@@ -109,14 +110,13 @@ void approach(PhotometricProblem& problem, const PhotometricParameters& paramete
   fit.budget = parameters.max_iterations;
 }
 
-/// Instead of the approach, from a seed within some hundredths of a pixel.
-void start(PhotometricProblem& problem, const PhotometricParameters& parameters, Fit& fit) {
+/// Instead of the approach, from a seed within a tenth of a pixel: what the residuals are like follows from the noise.
+void start(const PhotometricProblem& problem, const PhotometricParameters& parameters, Fit& fit) {
   if (problem.edgePixels() < kFewestEdgePixels) return fit.fail("too few pixels in the picture");
   problem.startBrightness(fit.state);
   fit.budget = parameters.max_iterations;
-  if (!problem.evaluate(fit.state, kWildScale, RobustLoss::huber, parameters.tukey, 1))
-    return fit.fail("impossible pose");
-  fit.scale = std::max(kQuantisation, problem.spread(0.5));
+  const double noise = problem.flatNoise();
+  fit.scale = noise > 0.0 ? kLargestScale * std::max(kQuantisation, noise) : kUnknownNoise;
 }
 
 /// Ends there, with all pixels and Tukey's loss, which forgets outliers.

@@ -9,7 +9,8 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kHuber = 1.345;         // [scales] 95 % efficient with normal noise
+constexpr std::size_t kBrightnessPixels = 500;  // are enough to begin with
+constexpr double kHuber = 1.345;                // [scales] 95 % efficient with normal noise
 constexpr double kClipReach = 4.0;       // [standard deviations] from the sensor's limits: nothing is clipped beyond
 constexpr double kClipSd = 0.02;         // [of the range] most noise that clipping is smoothed with
 constexpr double kLargestStretch = 1.3;  // of a step
@@ -134,7 +135,8 @@ void PhotometricProblem::startBrightness(PhotometricState& state) const {
     const SpreadCovariance spread = withArea(state.blur, samples.rays_per_pixel);
     const auto k = static_cast<std::size_t>(samples.rays_per_pixel);
     seen.clear();
-    for (std::size_t i = 0; i < samples.pixels.size(); ++i) {
+    const std::size_t stride = samples.pixels.size() / kBrightnessPixels + 1;
+    for (std::size_t i = 0; i < samples.pixels.size(); i += stride) {
       MarkerHit hit;
       if (!plane.hit(samples.rays[i * k], spread, hit)) continue;
       const auto response = smoothedPattern(pattern, hit.x * per_metre + middle, hit.y * per_metre + middle,

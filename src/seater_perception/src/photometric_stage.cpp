@@ -32,6 +32,13 @@ std::vector<Eigen::Isometry3d> openSeeds(const DetectedMarker& marker) {
   return seeds;
 }
 
+/// The pixels of one fit, shared out among so many.
+PhotometricRefiner shared(const PhotometricRefiner& refiner, int share) {
+  PhotometricParameters parameters = refiner.parameters();
+  parameters.max_pixels = std::max(std::min(parameters.max_pixels, kFewestPixels), parameters.max_pixels / share);
+  return PhotometricRefiner(parameters);
+}
+
 /// Grey levels that the sensor could have seen, and a blur that leaves cells to be told apart.
 bool plausible(const PhotometricResult& result, double side, int cells, double full_scale) {
   const double least = -kBeyondScale * full_scale, most = (1.0 + kBeyondScale) * full_scale;
@@ -117,14 +124,14 @@ const MarkerPattern& PatternBook::of(int id) {
 
 bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const MarkerPattern& pattern,
                            const PhotometricRefiner& refiner, const PosePrior& prior, const PoseParameters& parameters,
-                           DetectedMarker& marker) {
+                           int share, DetectedMarker& marker) {
   const std::vector<PatternPlacement> placement{{pattern, marker.size, Eigen::Isometry3d::Identity()}};
   const auto seeds = openSeeds(marker);
   const double explained = marker.image.side() < kLargeSide ? kExplainedSmall : kExplainedLarge;
   const bool near = marker.image.edges_fitted;
   const double full_scale = grey.depth() == CV_16U ? 65535.0 : 255.0;
   const auto fit = [&](bool close) {
-    auto branches = refineBranches(refiner, grey, camera, placement, seeds, close);
+    auto branches = refineBranches(shared(refiner, share), grey, camera, placement, seeds, close);
     for (auto& b : branches) {
       b.result.converged = b.result.converged && plausible(b.result, marker.image.side(), pattern.cells(), full_scale);
     }
@@ -171,9 +178,8 @@ void refineBundle(const cv::Mat& grey, const CameraModel& camera, PatternBook& p
   }
   std::vector<Eigen::Isometry3d> seeds;
   for (const auto& h : dock) seeds.push_back(h.pose);
-  PhotometricParameters shared = refiner.parameters();  // the pixels of one fit are shared out among the markers
-  shared.max_pixels = std::max(kFewestPixels, shared.max_pixels / static_cast<int>(placements.size()));
-  const auto branches = refineBranches(PhotometricRefiner(shared), grey, camera, placements, seeds, true);
+  const auto branches =
+      refineBranches(shared(refiner, static_cast<int>(placements.size())), grey, camera, placements, seeds, true);
   auto hypotheses = distinct(branches, kExplainedLarge);
   const auto ids = dock.front().marker_ids;
   Correspondences corners;
