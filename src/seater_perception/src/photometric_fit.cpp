@@ -9,7 +9,8 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kHuber = 1.345;         // [scales] 95 % efficient with normal noise
+constexpr std::size_t kBrightnessPixels = 500;  // are enough to begin with
+constexpr double kHuber = 1.345;                // [scales] 95 % efficient with normal noise
 constexpr double kClipReach = 4.0;       // [standard deviations] from the sensor's limits: nothing is clipped beyond
 constexpr double kClipSd = 0.02;         // [of the range] most noise that clipping is smoothed with
 constexpr double kLargestStretch = 1.3;  // of a step
@@ -134,7 +135,8 @@ void PhotometricProblem::startBrightness(PhotometricState& state) const {
     const SpreadCovariance spread = withArea(state.blur, samples.rays_per_pixel);
     const auto k = static_cast<std::size_t>(samples.rays_per_pixel);
     seen.clear();
-    for (std::size_t i = 0; i < samples.pixels.size(); ++i) {
+    const std::size_t stride = samples.pixels.size() / kBrightnessPixels + 1;
+    for (std::size_t i = 0; i < samples.pixels.size(); i += stride) {
       MarkerHit hit;
       if (!plane.hit(samples.rays[i * k], spread, hit)) continue;
       const auto response = smoothedPattern(pattern, hit.x * per_metre + middle, hit.y * per_metre + middle,
@@ -318,6 +320,16 @@ double PhotometricProblem::flatNoise() const {
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
   std::nth_element(sorted_.begin(), middle, sorted_.end());
   return *middle / 0.67449 * M_SQRT1_2;
+}
+
+double PhotometricProblem::greySquares() const {
+  double squares = 0.0;
+  for (const MarkerSamples& samples : samples_) {
+    double sum = 0.0, square = 0.0;
+    for (const PixelSample& pixel : samples.pixels) sum += pixel.grey, square += pixel.grey * pixel.grey;
+    if (!samples.empty()) squares += square - sum * sum / static_cast<double>(samples.pixels.size());
+  }
+  return squares;
 }
 
 Eigen::MatrixXd PhotometricProblem::brightnessInformation(std::size_t marker, double damping) const {
