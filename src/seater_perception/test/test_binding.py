@@ -6,8 +6,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-import seater_perception as sp
 import yaml
+
+import seater_perception as sp
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 F, CX, CY = 640.0, 639.5, 359.5
@@ -17,7 +18,7 @@ def camera() -> sp.CameraModel:
     return sp.CameraModel.raw(sp.load_calibration(str(CONFIG / "cameras" / "d455.yaml")))
 
 
-def picture(size: int = 120, at: tuple[int, int] = (500, 300)) -> np.ndarray:
+def picture(size: int = 126, at: tuple[int, int] = (500, 300)) -> np.ndarray:
     """Marker 3 of DICT_4X4_50, frontal, `size` pixels wide, its first pixel at `at`."""
     image = np.full((720, 1280), 215, np.uint8)
     print_ = cv2.aruco.drawMarker(cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50), 3, size)
@@ -30,12 +31,12 @@ def test_detects_a_marker_where_it_is() -> None:
     (marker,) = detector.detect(picture()).markers
     assert marker.id == 3
     # The first pixel's outer edge is half a pixel before its centre.
-    expected = np.array([[499.5, 299.5], [619.5, 299.5], [619.5, 419.5], [499.5, 419.5]])
+    expected = np.array([[499.5, 299.5], [625.5, 299.5], [625.5, 425.5], [499.5, 425.5]])
     assert np.abs(marker.corners - expected).max() < 0.1
     pose = marker.hypotheses[0].pose
-    z = F * 0.1 / 120
+    z = F * 0.1 / 126
     assert pose.shape == (4, 4)
-    assert pose[:3, 3] == pytest.approx([(559.5 - CX) * z / F, (359.5 - CY) * z / F, z], abs=1e-3)
+    assert pose[:3, 3] == pytest.approx([(562.5 - CX) * z / F, (362.5 - CY) * z / F, z], abs=1e-3)
     assert marker.hypotheses[0].covariance.shape == (6, 6)
     assert np.all(np.linalg.eigvalsh(marker.covariance) > 0.0)
     assert sum(h.weight for h in marker.hypotheses) == pytest.approx(1.0)
@@ -50,12 +51,12 @@ def test_projection() -> None:
 def test_photometric_refinement_finds_back_from_a_wrong_start() -> None:
     refiner = sp.PhotometricRefiner(sp.default_photometric_parameters())
     pattern = sp.MarkerPattern.from_dictionary("DICT_4X4_50", 3)
-    z = F * 0.1 / 120
+    z = F * 0.1 / 126
     start = np.diag([1.0, -1.0, -1.0, 1.0])  # marker facing the camera
-    start[:3, 3] = [(559.5 - CX) * z / F + 0.0005, (359.5 - CY) * z / F, 1.004 * z]
+    start[:3, 3] = [(562.5 - CX) * z / F + 0.0005, (362.5 - CY) * z / F, 1.004 * z]
     result = refiner.refine(picture(), camera(), [sp.PatternPlacement(pattern, 0.1)], start)
     assert result.converged, result.failure
-    assert result.pose[:3, 3] == pytest.approx([(559.5 - CX) * z / F, (359.5 - CY) * z / F, z], abs=3e-4)
+    assert result.pose[:3, 3] == pytest.approx([(562.5 - CX) * z / F, (362.5 - CY) * z / F, z], abs=3e-4)
 
 
 def test_files_of_the_configuration_are_read() -> None:
