@@ -18,7 +18,7 @@ constexpr double kSmallestContrast = 8.0;  // [grey levels] between light and da
 constexpr double kLargestResidual = 0.15;  // rms, of the contrast: more is not one edge
 constexpr int kSteps = 12;
 constexpr double kDone = 1e-3;          // [px]
-constexpr std::size_t kSamples = 3000;  // of a side are enough; a longer side gives every second, third ... pixel
+constexpr std::size_t kSamples = 1200;  // of a side are enough; a longer side gives every second, third ... pixel
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;

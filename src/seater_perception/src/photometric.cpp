@@ -16,9 +16,9 @@ constexpr double kQuantisation = 0.29;  // [grey levels] standard deviation of r
 constexpr double kFineMargin = 0.3;     // [px] the approach ends nearer than this
 constexpr int kFewestEdgePixels = 40;
 constexpr int kRounds = 4;  // of collecting pixels: the approach, then again while a marker leaves its band
-constexpr double kCoarseDone = 0.05, kFineDone = 1e-3;  // squared length of a last step in standard deviations
-constexpr int kSettled = 5;                             // steps, after which the scale stands still
-constexpr double kSettledTolerance = 5.0;               // of kFineDone or kCoarseDone from then on
+constexpr double kCoarseDone = 0.1, kFineDone = 1e-2;  // squared length of a last step in standard deviations
+constexpr int kSettled = 5;                            // steps, after which the scale stands still
+constexpr double kSettledTolerance = 5.0;              // of kFineDone or kCoarseDone from then on
 constexpr int kShrinkings = 8, kShrinkBudget = 5;
 constexpr double kSuspicious = 1.3;  // residuals at edges over those of flat pixels: more is not noise alone
 constexpr double kShrink = 0.6, kShrinkTukey = 4.0;
@@ -109,6 +109,16 @@ void approach(PhotometricProblem& problem, const PhotometricParameters& paramete
   fit.budget = parameters.max_iterations;
 }
 
+/// Instead of the approach, from a seed within some hundredths of a pixel.
+void start(PhotometricProblem& problem, const PhotometricParameters& parameters, Fit& fit) {
+  if (problem.edgePixels() < kFewestEdgePixels) return fit.fail("too few pixels in the picture");
+  problem.startBrightness(fit.state);
+  fit.budget = parameters.max_iterations;
+  if (!problem.evaluate(fit.state, kWildScale, RobustLoss::huber, parameters.tukey, 1))
+    return fit.fail("impossible pose");
+  fit.scale = std::max(kQuantisation, problem.spread(0.5));
+}
+
 /// Ends there, with all pixels and Tukey's loss, which forgets outliers.
 void finish(PhotometricProblem& problem, const PhotometricParameters& parameters, Fit& fit) {
   if (problem.edgePixels() < kFewestEdgePixels) return fit.fail("too few pixels in the picture");
@@ -143,6 +153,7 @@ void judge(const PhotometricProblem& problem, const PhotometricParameters& param
   if (!(freedom > kFewestEdgePixels)) return fit.fail("too few inliers");
   result.inlier_share = inliers / all;
   result.rms = std::sqrt(squares / all);
+  result.explained = 1.0 - squares / std::max(1e-9, problem.greySquares());
   // Weighting takes away from the variance of normal noise: E[w r^2] = sigma^2 (1 - 6 / c^2 + 15 / c^4).
   const double floor = kQuantisation * kQuantisation;
   result.noise_sd = std::sqrt(std::max(floor, weighted / freedom / (1.0 - 6.0 / c2 + 15.0 / (c2 * c2))));
@@ -251,7 +262,7 @@ double collectAll(const PhotometricParameters& parameters, const cv::Mat& grey, 
 /// All seeds on the same pixels.
 std::vector<Fit> refineAllSeeds(const PhotometricParameters& parameters, const cv::Mat& grey, const CameraModel& camera,
                                 const std::vector<PatternPlacement>& placements,
-                                const std::vector<Eigen::Isometry3d>& seeds) {
+                                const std::vector<Eigen::Isometry3d>& seeds, bool near) {
   requirePicture(grey, camera);
   const double sd = parameters.blur_sd;
   std::vector<Fit> fits(seeds.size());
@@ -264,8 +275,9 @@ std::vector<Fit> refineAllSeeds(const PhotometricParameters& parameters, const c
   }
   const double limit = parameters.saturation > 0.0 ? parameters.saturation : grey.depth() == CV_16U ? 65535.0 : 255.0;
   std::vector<MarkerSamples> samples(placements.size());
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = near ? 1 : 0; round < kRounds; ++round) {
     const bool first = round == 0;
+    const bool begin = near && round == 1;  // without an approach
     const double margin = first ? parameters.margin : kFineMargin;
     const double blur = collectAll(parameters, grey, camera, placements, fits, margin, first, samples);
     PhotometricProblem problem(placements, samples, blurOf(parameters.blur), parameters.illumination_slope && !first,
@@ -274,7 +286,8 @@ std::vector<Fit> refineAllSeeds(const PhotometricParameters& parameters, const c
     for (Fit& fit : fits) {
       if (fit.failed) continue;
       const Eigen::Isometry3d before = fit.state.pose;
-      first ? approach(problem, parameters, fit) : finish(problem, parameters, fit);
+      if (begin) start(problem, parameters, fit);
+      if (!fit.failed) first ? approach(problem, parameters, fit) : finish(problem, parameters, fit);
       if (!first && !fit.failed) judge(problem, parameters, fit);
       double sides = 0.0;
       const double moved = movement(camera, placements, before, fit.state.pose, sides), now = blurSd(fit.state);
@@ -295,16 +308,16 @@ PhotometricRefiner::PhotometricRefiner(const PhotometricParameters& parameters) 
 PhotometricResult PhotometricRefiner::refine(const cv::Mat& grey, const CameraModel& camera,
                                              const std::vector<PatternPlacement>& placements,
                                              const Eigen::Isometry3d& initial) const {
-  return refineAllSeeds(parameters_, grey, camera, placements, {initial}).front().result;
+  return refineAllSeeds(parameters_, grey, camera, placements, {initial}, false).front().result;
 }
 
 std::vector<PhotometricBranch> refineBranches(const PhotometricRefiner& refiner, const cv::Mat& grey,
                                               const CameraModel& camera,
                                               const std::vector<PatternPlacement>& placements,
-                                              const std::vector<Eigen::Isometry3d>& seeds) {
+                                              const std::vector<Eigen::Isometry3d>& seeds, bool near) {
   std::vector<PhotometricBranch> branches;
   double sd = std::numeric_limits<double>::infinity();
-  for (const Fit& fit : refineAllSeeds(refiner.parameters(), grey, camera, placements, seeds)) {
+  for (const Fit& fit : refineAllSeeds(refiner.parameters(), grey, camera, placements, seeds, near)) {
     branches.push_back({fit.result, 0.0, 0.0});
     if (fit.result.converged) sd = std::min(sd, fit.result.noise_sd);
   }

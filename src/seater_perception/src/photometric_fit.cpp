@@ -320,6 +320,16 @@ double PhotometricProblem::flatNoise() const {
   return *middle / 0.67449 * M_SQRT1_2;
 }
 
+double PhotometricProblem::greySquares() const {
+  double squares = 0.0;
+  for (const MarkerSamples& samples : samples_) {
+    double sum = 0.0, square = 0.0;
+    for (const PixelSample& pixel : samples.pixels) sum += pixel.grey, square += pixel.grey * pixel.grey;
+    if (!samples.empty()) squares += square - sum * sum / static_cast<double>(samples.pixels.size());
+  }
+  return squares;
+}
+
 Eigen::MatrixXd PhotometricProblem::brightnessInformation(std::size_t marker, double damping) const {
   Eigen::MatrixXd H = blocks_[marker].block(6 + blur_, 6 + blur_, brightness_, brightness_);
   if (brightness_ == 4) H.diagonal().tail<2>().array() += slope_damping_;

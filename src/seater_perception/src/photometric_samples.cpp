@@ -7,9 +7,10 @@
 namespace seater_perception {
 namespace {
 
-constexpr int kNodeStep = 8;       // [px] between the nodes of the ray grid
-constexpr int kTile = 8;           // [px] tiles without an edge give a single sample
-constexpr int kSparseArea = 1500;  // [px] a sparse collection looks at about so many
+constexpr int kNodeStep = 8;           // [px] between the nodes of the ray grid
+constexpr int kTile = 8;               // [px] tiles without an edge give a single sample
+constexpr int kSparseArea = 1000;      // [px] a sparse collection looks at about so many
+constexpr double kEdgesPerCell = 0.8;  // sides of cells with an edge, over cells: of a usual code
 constexpr int kRowShift = 7;
 constexpr int kThinning = 2;             // of flat pixels elsewhere: every second one of every second row
 constexpr double kSheetClearance = 2.2;  // [standard deviations] kept from the sheet's outer edge
@@ -250,7 +251,12 @@ MarkerSamples collectSamples(const cv::Mat& grey, const CameraModel& camera, con
   samples.pixels.reserve(expected);
   samples.rays.reserve(expected * static_cast<std::size_t>(samples.rays_per_pixel));
   const int area = (box->u1 - box->u0 + 1) * (box->v1 - box->v0 + 1);
-  const int every = sparse ? std::clamp(area / kSparseArea, 1, 100) : 1;
+  // Of a large marker, most pixels are near no edge, and those that are, are more than needed.
+  const double cells = placement.pattern.cells() + 2.0 * parameters.quiet_zone, side = std::sqrt(area);
+  const double band = 2.0 * (parameters.reach * std::sqrt(blur_sd * blur_sd + kBoxVariance) + margin);
+  const double edges =
+      std::min<double>(area, kEdgesPerCell * placement.pattern.cells() * cells * (side / cells) * band);
+  const int every = std::clamp(static_cast<int>(sparse ? area / kSparseArea : edges / parameters.max_pixels), 1, 100);
   Collector(placement, T_optical_marker, blur_sd, margin, every, parameters, *grid)
       .collect({grey, grey.depth() == CV_16U}, *box, samples);
   thinOut(static_cast<std::size_t>(parameters.max_pixels), samples);

@@ -61,7 +61,7 @@ TEST(Parameters, fileHoldsTheDefaults) {
   built_in.visit(b);
   EXPECT_EQ(a.values, b.values);
   EXPECT_EQ(a.text, b.text);
-  EXPECT_EQ(a.values.size(), 22u);
+  EXPECT_EQ(a.values.size(), 44u);
 }
 
 TEST(Parameters, everyProblemIsNamedAtOnce) {

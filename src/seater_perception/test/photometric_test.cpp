@@ -74,6 +74,13 @@ Statistics statistics(const View& view, const cv::Mat& clean, double noise, int 
   return s;
 }
 
+/// The whole information of a picture; by default, a part of a large marker's pixels is enough.
+PhotometricParameters allPixels() {
+  PhotometricParameters parameters;
+  parameters.max_pixels = 8000;
+  return parameters;
+}
+
 /// Noise with rounding to whole grey levels.
 double rounded(double noise) {
   return std::sqrt(noise * noise + 1.0 / 12.0);
@@ -219,7 +226,7 @@ TEST(Photometric, ErrorsReachTheCramerRaoBoundAndTheCovarianceSaysSo) {
   const int seeds = 40;
   for (const Case& c : {Case{0.6, 20.0, 2.0}, Case{1.0, 0.0, 3.0}, Case{2.0, 30.0, 2.0}, Case{2.8, 10.0, 3.0}}) {
     const View view = photo_scene::single(0.1, c.distance, c.tilt * kDegree);
-    const auto s = statistics(view, photo_scene::clean(view), c.noise, seeds);
+    const auto s = statistics(view, photo_scene::clean(view), c.noise, seeds, allPixels());
     const double bound = photo_scene::cramerRao(view, rounded(c.noise), true, true).position();
     printf("%.1f m %2.0f deg noise %.0f: rms %.4f mm, bound %.4f mm, NEES %.2f\n", c.distance, c.tilt, c.noise,
            s.rms * 1e3, bound * 1e3, s.nees);
@@ -229,6 +236,20 @@ TEST(Photometric, ErrorsReachTheCramerRaoBoundAndTheCovarianceSaysSo) {
     EXPECT_GT(s.rms, 0.65 * bound);
     // Mean of 40 chi-squares with 6 degrees of freedom, three standard deviations.
     EXPECT_NEAR(s.nees, 6.0, 3.0 * std::sqrt(12.0 / seeds));
+  }
+}
+
+// The price of camera rate: with the default number of pixels, large markers stay within twice their bound.
+TEST(Photometric, DefaultPixelsStayWithinTwiceTheBound) {
+  for (const double distance : {0.35, 0.6, 1.0}) {
+    const View view = photo_scene::single(0.1, distance, 20.0 * kDegree);
+    const auto s = statistics(view, photo_scene::clean(view), 3.0, 30);
+    const double bound = photo_scene::cramerRao(view, rounded(3.0), true, true).position();
+    printf("%.2f m, %d pixels at most: rms %.2f times the bound, NEES %.2f\n", distance,
+           PhotometricParameters().max_pixels, s.rms / bound, s.nees);
+    ASSERT_EQ(s.converged, 30);
+    EXPECT_LT(s.rms, 2.0 * bound);
+    EXPECT_NEAR(s.nees, 6.0, 3.0 * std::sqrt(12.0 / 30));
   }
 }
 
@@ -296,8 +317,8 @@ TEST(Photometric, BrightnessThatChangesOverTheMarkerDoesNotPull) {
   for (int y = 0; y < clean.rows; ++y) {
     for (int x = 0; x < clean.cols; ++x) clean.at<double>(y, x) *= 1.0 + 0.001 * (x - 640);
   }
-  const auto modelled = statistics(view, clean, 2.0, 10);
-  PhotometricParameters flat;
+  const auto modelled = statistics(view, clean, 2.0, 10, allPixels());
+  PhotometricParameters flat = allPixels();
   flat.illumination_slope = false;
   const auto ignored = statistics(view, clean, 2.0, 10, flat);
   EXPECT_LT(modelled.rms, 1.5 * photo_scene::cramerRao(view, 2.0, true, true).position());
@@ -308,7 +329,7 @@ TEST(Photometric, BundleOfTheDockReachesItsBound) {
   View view;
   view.pose = scene::dockSeenFrom(-0.7, 0.12, 0.1);
   view.prints = scene::defaultPrints(view.pose);
-  const auto s = statistics(view, photo_scene::clean(view), 2.0, 15);
+  const auto s = statistics(view, photo_scene::clean(view), 2.0, 15, allPixels());
   ASSERT_EQ(s.converged, 15);
   const double bound = photo_scene::cramerRao(view, rounded(2.0), true, true).position();
   printf("bundle: rms %.4f mm, bound %.4f mm, NEES %.2f\n", s.rms * 1e3, bound * 1e3, s.nees);

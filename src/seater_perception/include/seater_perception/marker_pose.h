@@ -16,6 +16,8 @@ struct DetectedMarker {
   double ambiguity = 0.0;                  ///< error of the first / error of the second; 0 when there is no second one
 
   const PoseHypothesis& best() const { return hypotheses.front(); }
+  /// Covariance of best().pose for those who see no other hypothesis: covers all of them.
+  Matrix6d covariance() const { return mixtureCovariance(hypotheses); }
 };
 
 /// The four corners of a marker of side `size` [m], in its own frame; nothing when they cannot be undistorted.

@@ -62,6 +62,9 @@ class PhotometricProblem {
   /// Inverse of the normal matrix's pose part, everything else marginalised [1/grey levels^2]; nothing when singular.
   std::optional<Matrix6d> inversePoseInformation() const;
 
+  /// Sum of the squared differences of all grey levels from their marker's mean [grey levels^2].
+  double greySquares() const;
+
   const std::vector<double>& residuals() const { return residuals_; }
   int unknowns() const;
   int edgePixels() const;

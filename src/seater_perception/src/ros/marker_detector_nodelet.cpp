@@ -13,12 +13,13 @@
 #include "ros_diagnostics.h"
 #include "ros_messages.h"
 #include "ros_parameters.h"
+#include "seater_perception/dock_tracker.h"
 #include "seater_perception/draw.h"
 #include "seater_perception/errors.h"
 
 namespace seater_perception {
 
-/// Pictures to detections: only converts messages and parameters; DockDetector does the work. Topics:
+/// Pictures to detections: only converts messages and parameters; DockTracker does the work. Topics:
 /// docs/perception.md.
 ///
 /// Threads: everything runs in the nodelet's single-threaded queue; the mutex is there because a subscriber may connect
@@ -117,7 +118,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     detector_.reset();
     const CameraModel camera =
         parameters_.rectified ? CameraModel::rectified(calibration) : CameraModel::raw(calibration);
-    detector_ = std::make_unique<DockDetector>(camera, parameters_.dock, parameters_.perception, parameters_.mount);
+    detector_ = std::make_unique<DockTracker>(camera, parameters_.dock, parameters_.perception, parameters_.mount);
     calibration_ = calibration;
   }
 
@@ -129,7 +130,9 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     if (!message.dock.empty()) {
       geometry_msgs::PoseWithCovarianceStamped dock;
       dock.header = header;
-      dock.pose = message.dock.front().pose;
+      PoseHypothesis pose = result.dock.front();
+      pose.covariance = mixtureCovariance(result.dock);  // this topic knows no other hypotheses
+      dock.pose = toMessage(pose);
       dock_pose_.publish(dock);
     }
     const double latency = (ros::Time::now() - header.stamp).toSec();
@@ -141,14 +144,14 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
                         double latency, double processing_time) {
     char line[120];
     std::snprintf(line, sizeof(line), "latency %.0f ms, processing %.1f ms", 1e3 * latency, 1e3 * processing_time);
-    const cv::Mat picture = annotate(grey, detector_->camera(), parameters_.dock, result, {line});
+    const cv::Mat picture = annotate(grey, detector_->detector().camera(), parameters_.dock, result, {line});
     annotated_.publish(cv_bridge::CvImage(header, "bgr8", picture).toImageMsg());
   }
 
   using Synchroniser = message_filters::TimeSynchronizer<sensor_msgs::CompressedImage, sensor_msgs::CameraInfo>;
 
   NodeParameters parameters_;
-  std::unique_ptr<DockDetector> detector_;
+  std::unique_ptr<DockTracker> detector_;
   Calibration calibration_;  // of detector_
   std::mutex connect_mutex_;
   bool subscribed_ = false;

@@ -81,7 +81,9 @@ seater_msgs::MarkerDetectionArray toMessage(const DetectionResult& result, const
       marker.corners[i].x = m.image.corners[i].x();
       marker.corners[i].y = m.image.corners[i].y();
     }
-    marker.pose = toMessage(m.best());
+    PoseHypothesis pose = m.best();
+    pose.covariance = m.covariance();  // the message holds one pose only
+    marker.pose = toMessage(pose);
     marker.reprojection_error = m.best().error;
     marker.ambiguity = m.ambiguity;
     marker.side_px = m.image.side();
