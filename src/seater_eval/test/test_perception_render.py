@@ -14,7 +14,7 @@ from seater_eval.perception.degraded_camera import DegradedCamera, load_degraded
 from seater_eval.perception.render import Print, box_of, clean_picture, corners_of, exposed, moved, white_share
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
-CAMERA = DegradedCamera(640, 480, 600.0, 1.0, 3.0, 40.0, 215.0, 150.0, 1.0, 1e6)
+CAMERA = DegradedCamera(640, 480, 600.0, 1.0, 3.0, 40.0, 215.0, 150.0, 1.0)
 
 
 def facing(x: float, y: float, z: float, yaw: float = 0.0, roll: float = 0.0) -> np.ndarray:
@@ -91,7 +91,7 @@ def test_bound_is_the_spread_of_least_squares() -> None:
     camera = replace(CAMERA, noise_sd=3.0)
     C = cramer_rao(print_, camera, blur=False, slope=False)
     box = box_of(print_, camera, 1.0, 1.0)
-    black, white, _ = camera.levels(0.8)
+    black, white, _ = camera.levels
     steps = np.array([5e-5, 5e-5, 5e-4, 5e-3, 5e-3, 2e-3])  # other steps and sampling than the bound takes
 
     def grey(change: np.ndarray) -> np.ndarray:

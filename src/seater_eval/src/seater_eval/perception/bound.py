@@ -25,7 +25,7 @@ def cramer_rao(
     The paper is taken as endless: where the sheet ends tells an estimator nothing that knows only the print.
     """
     box = box_of(print_, camera, 1.0, 1.0)
-    black, white, _ = camera.levels(float(print_.pose[2, 3]))
+    black, white, _ = camera.levels
     contrast = white - black
 
     def share(p: Print, c: DegradedCamera = camera) -> Array:

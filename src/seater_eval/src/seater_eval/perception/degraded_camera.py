@@ -21,7 +21,6 @@ RANGES = {
     "white": (0.0, 255.0),
     "wall": (0.0, 255.0),
     "quiet_zone": (0.5, 10.0),
-    "contrast_distance": (0.1, 1e6),
 }
 
 
@@ -34,11 +33,10 @@ class DegradedCamera:
     focal_length: float  # [px]
     blur_sd: float  # [px]
     noise_sd: float  # [grey levels]
-    black: float  # [grey levels] of ink, close by
-    white: float  # [grey levels] of paper, close by
-    wall: float  # [grey levels] round the paper, close by
+    black: float  # [grey levels] of ink
+    white: float  # [grey levels] of paper
+    wall: float  # [grey levels] round the paper
     quiet_zone: float  # [cells] of paper round the print
-    contrast_distance: float  # [m] where contrast has fallen to half
 
     @property
     def K(self) -> NDArray[np.float64]:
@@ -46,12 +44,10 @@ class DegradedCamera:
         cx, cy = 0.5 * (self.image_width - 1), 0.5 * (self.image_height - 1)
         return np.array([[self.focal_length, 0.0, cx], [0.0, self.focal_length, cy], [0.0, 0.0, 1.0]])
 
-    def levels(self, distance: float) -> tuple[float, float, float]:
-        """(ink, paper, wall) [grey levels] at a distance [m]: all drawn towards their middle."""
-        middle = 0.5 * (self.black + self.white)
-        keep = 1.0 / (1.0 + (distance / self.contrast_distance) ** 2)
-        black, white, wall = (middle + keep * (level - middle) for level in (self.black, self.white, self.wall))
-        return black, white, wall
+    @property
+    def levels(self) -> tuple[float, float, float]:
+        """(ink, paper, wall) [grey levels]."""
+        return self.black, self.white, self.wall
 
     def resized(self, width: int, height: int) -> DegradedCamera:
         """The same view angle (horizontally) at another resolution."""

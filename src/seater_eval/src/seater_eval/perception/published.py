@@ -26,7 +26,7 @@ def published_pictures(config: str | Path) -> dict[str, Any] | None:
     """
     if not FOLDER.is_dir():
         return None
-    camera = DegradedCamera(640, 480, 700.0, 0.0, 0.0, 0.0, 255.0, 255.0, 1.0, 1e6)
+    camera = DegradedCamera(640, 480, 700.0, 0.0, 0.0, 0.0, 255.0, 255.0, 1.0)
     parameters = subject.perception_parameters(config)
     errors: dict[str, list[float]] = {name: [] for name in ("seater", *OPENCV)}
     for family, dictionary, cells in FAMILIES:

@@ -145,7 +145,7 @@ def white_share(
     S = samples or samples_for(print_, camera)
     path = np.asarray(motion, float)
     border = math.ceil(4.0 * camera.blur_sd + 0.5 * float(np.linalg.norm(path))) + 1
-    black, white, wall = camera.levels(float(print_.pose[2, 3]))
+    black, white, wall = camera.levels
     outside = 1.0 if endless_paper else (wall - black) / (white - black)
     paper = 1e3 if endless_paper else camera.quiet_zone
     fine = reflectance(print_, camera.K, box, S, paper, outside, border)
@@ -174,13 +174,12 @@ def _line_kernel(path: Array) -> NDArray[np.float32]:
 
 def clean_picture(prints: list[Print], camera: DegradedCamera, motion: ArrayLike = (0.0, 0.0)) -> NDArray[np.float32]:
     """The whole picture (height, width) [grey levels] without noise: wall, and on it the sheets."""
-    mean_distance = float(np.mean([p.pose[2, 3] for p in prints])) if prints else 1.0
-    picture = np.full((camera.image_height, camera.image_width), camera.levels(mean_distance)[2], np.float32)
+    picture = np.full((camera.image_height, camera.image_width), camera.wall, np.float32)
     for print_ in prints:
         box = box_of(print_, camera, camera.quiet_zone, 4.0 * camera.blur_sd + 1.0)
         if box[0] >= box[2] or box[1] >= box[3]:
             continue
-        black, white, _ = camera.levels(float(print_.pose[2, 3]))
+        black, white, _ = camera.levels
         share = white_share(print_, camera, box, motion=motion)
         picture[box[1] : box[3], box[0] : box[2]] = black + (white - black) * share
     return picture
