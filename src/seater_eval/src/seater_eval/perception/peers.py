@@ -105,14 +105,15 @@ def _pupil_apriltags(K: Array, size: float) -> Detector:
     detector = AprilTagDetector(families=APRILTAG_FAMILY, nthreads=1, quad_decimate=1.0)
     # It counts from the picture's corner: everything is half a pixel larger, the principal point too.
     camera = (K[0, 0], K[1, 1], K[0, 2] + 0.5, K[1, 2] + 0.5)
-    to_ours = np.diag([1.0, -1.0, -1.0])  # its y goes down, its z into the paper
+    # Its y goes down and its z into the paper; OpenCV's dictionary has the tags turned by half a turn.
+    to_ours = np.diag([-1.0, 1.0, -1.0])
 
     def detect(picture: Picture) -> list[Seen]:
         seen = []
         for tag in detector.detect(picture, estimate_tag_pose=True, camera_params=camera, tag_size=size):
             pose = np.eye(4)
             pose[:3, :3], pose[:3, 3] = tag.pose_R @ to_ours, tag.pose_t.ravel()
-            seen.append(Seen(int(tag.tag_id), tag.corners[::-1] - 0.5, pose))
+            seen.append(Seen(int(tag.tag_id), np.roll(tag.corners[::-1], 2, axis=0) - 0.5, pose))
         return seen
 
     return detect
