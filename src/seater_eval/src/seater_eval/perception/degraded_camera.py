@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import yaml
@@ -67,7 +68,7 @@ def load_degraded_camera(path: str | Path) -> DegradedCamera:
     problems = [f"{path}/{key}: unknown key; known are {', '.join(known)}" for key in values if key not in known]
     for key, kind in known.items():
         low, high = RANGES[key]
-        value = values.get(key)
+        value: Any = values.get(key)
         wanted = "a whole number" if kind == "int" else "a number"
         good = isinstance(value, int if kind == "int" else int | float) and not isinstance(value, bool)
         if not good or not low <= value <= high:

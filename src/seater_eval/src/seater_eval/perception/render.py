@@ -143,14 +143,14 @@ def white_share(
         endless_paper: no wall: the sheet never ends (what the estimator is told).
     """
     S = samples or samples_for(print_, camera)
-    path = np.asarray(motion, float)
+    path: Array = np.asarray(motion, dtype=np.float64)
     border = math.ceil(4.0 * camera.blur_sd + 0.5 * float(np.linalg.norm(path))) + 1
     black, white, wall = camera.levels
     outside = 1.0 if endless_paper else (wall - black) / (white - black)
     paper = 1e3 if endless_paper else camera.quiet_zone
     fine = reflectance(print_, camera.K, box, S, paper, outside, border)
     if np.any(path):
-        fine = cv2.filter2D(fine, -1, _line_kernel(path * S), borderType=cv2.BORDER_REPLICATE)
+        fine = cv2.filter2D(fine, -1, _line_kernel(np.multiply(path, float(S))), borderType=cv2.BORDER_REPLICATE)
     if camera.blur_sd > 0.0:
         size = 2 * math.ceil(5.0 * camera.blur_sd * S) + 1
         fine = cv2.GaussianBlur(fine, (size, size), camera.blur_sd * S, borderType=cv2.BORDER_REPLICATE)
