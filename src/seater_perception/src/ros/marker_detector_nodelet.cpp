@@ -87,8 +87,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   void onImage(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info) {
     guarded([&](const Clock::time_point& begin) {
       followCalibration(*info);
-      const GreyPicture picture = toGrey(image);
-      process(picture.grey, image->header, begin);
+      process(toGrey(*image), image->header, begin);
     });
   }
 
