@@ -188,7 +188,7 @@ def draw_accuracy(data: dict[str, Any], path: Path) -> Path:
             medians = over(lambda c, m=method: _median(c, m))
             style = {"lw": 2.5, "zorder": 3} if method == "seater" else {"lw": 1.2}
             axis.loglog(distances, medians, "o-", color=COLOURS[method], label=LABELS[method], ms=4, **style)
-        axis.loglog(distances, over(lambda c: c["bound_median_mm"]), "k--", label=LABELS["bound"])
+        axis.loglog(distances, over(lambda c: c["bound_median_mm"]), "k.--", label=LABELS["bound"])
         axis.set_xticks(distances, [f"{z:g}" for z in distances], fontsize=8)
         axis.minorticks_off()
         axis.set(xlabel="distance [m]", title=f"{1e3 * size:.0f} mm marker")

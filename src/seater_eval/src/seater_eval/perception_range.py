@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +26,8 @@ from seater_eval.perception.scenes import facing
 PAPER = {0.05: (0.050, 1.500), 0.10: (0.090, 2.840), 0.15: (0.140, 3.750)}  # side -> nearest, farthest [m]
 NEEDED = 0.9  # share of pictures in which the marker has to be found
 FARTHER, CALIBRATION = 1.5, 0.1
-ALL_IDS, TRACK = "seater, all ids", "seater, tracking"
-FULL_METHODS = ("seater", ALL_IDS, TRACK, "opencv_none", "opencv_default", "pupil_apriltags")
+ALL_IDS, TRACK, PLAIN = "seater, all ids", "seater, tracking", "opencv_none"
+FULL_METHODS = ("seater", ALL_IDS, TRACK, PLAIN, "opencv_default", "pupil_apriltags")
 NAMES = LABELS | {
     "seater": "seater (the dock's ids)",
     ALL_IDS: "seater (all 50 ids)",
@@ -133,27 +134,31 @@ def tracking_rate(config: str, size: float, distance: float, pictures: int) -> f
 def find_limit(job: RangeJob) -> dict[str, Any]:
     """The end of the range by bisection: the last distance [m] with NEEDED detections, None when it is not reached at all."""
     nearest, farthest = PAPER[job.size]
-    inside, outside = (0.5 * farthest, 4.0 * farthest) if job.far else (2.5 * nearest, 0.5 * nearest)
-    rates = []
+    rates: dict[float, float] = {}
 
     def good(distance: float) -> bool:
-        rate = detection_rate(job.config, job.method, job.size, distance, job.pictures, not job.far)
-        rates.append((distance, rate))
-        return rate >= NEEDED
+        if distance not in rates:
+            rates[distance] = detection_rate(job.config, job.method, job.size, distance, job.pictures, not job.far)
+        return rates[distance] >= NEEDED
 
-    if not good(inside):
-        return {"method": job.method, "size": job.size, "far": job.far, "limit_m": None, "rates": rates}
-    # The paper's own distance (and the far bar) first: what decides is measured there, not between two steps.
-    for probe in (farthest, FARTHER * farthest) if job.far else (nearest,):
-        if not good(probe):
-            outside = probe
-            break
-        inside = probe
-    for _ in range(job.steps):
-        middle = float(np.sqrt(inside * outside))
-        inside, outside = (middle, outside) if good(middle) else (inside, middle)
-    limit = inside
-    return {"method": job.method, "size": job.size, "far": job.far, "limit_m": limit, "rates": sorted(rates)}
+    # What bars ask for is measured there, not between two steps.
+    if not job.far:
+        probes = [2.5 * nearest, nearest, 0.5 * nearest]
+    elif job.method == PLAIN:
+        probes = [share * farthest for share in (0.5, 1.0 - CALIBRATION, 1.0, 1.0 + CALIBRATION, 4.0)]
+    else:
+        probes = [share * farthest for share in (0.5, 1.0, FARTHER, 4.0)]
+    # The first one and the last one are only looked at when the others do not decide.
+    passed = list(takewhile(good, probes[1:-1]))
+    inside = passed[-1] if passed else probes[0]
+    outside = probes[probes.index(inside) + 1]
+    if passed or good(inside):
+        for _ in range(job.steps):
+            middle = float(np.sqrt(inside * outside))
+            inside, outside = (middle, outside) if good(middle) else (inside, middle)
+    limit = inside if good(inside) else None
+    rows = [{"distance": distance, "rate": rate} for distance, rate in sorted(rates.items())]
+    return {"method": job.method, "size": job.size, "far": job.far, "limit_m": limit, "rates": rows}
 
 
 def count_false(job: NegativeJob) -> dict[str, Any]:
@@ -185,11 +190,14 @@ def run_range(
     config = str(config)
     camera = camera_of(config)
     subject.make_detector(camera, 0.1, subject.perception_parameters(config), prior=False)  # wrong parameters: now
-    methods = ("seater", "opencv_none") if quick else FULL_METHODS
-    pictures, steps = (10, 3) if quick else (50, 6)
+    methods = ("seater", PLAIN) if quick else FULL_METHODS
+    pictures, plain_pictures, steps = (10, 60, 2) if quick else (50, 200, 6)
     total = negatives if negatives is not None else (100 if quick else 10_000)
     jobs = [
-        RangeJob(config, method, size, far, pictures, steps)
+        # The frozen camera stands and falls with the plain detector's far end: more pictures, as the window is narrow.
+        RangeJob(config, method, size, far, plain_pictures, 0 if quick else steps)
+        if method == PLAIN and far
+        else RangeJob(config, method, size, far, pictures, steps)
         for size in PAPER
         for method in methods
         for far in ((True, False) if method == "seater" or not (quick or method == TRACK) else (True,))
@@ -204,6 +212,7 @@ def run_range(
         "conditions": {
             "camera": {k: getattr(camera, k) for k in camera.__dataclass_fields__},
             "pictures_per_distance": pictures,
+            "pictures_per_distance_plain_far": plain_pictures,
             "needed": NEEDED,
             "bisection_steps": steps,
         },
@@ -226,7 +235,7 @@ def range_bars(data: dict[str, Any]) -> list[Bar]:
     bars = []
     for size, (nearest, farthest) in PAPER.items():
         name = f"{1e3 * size:.0f} mm"
-        plain = limit_of(data, "opencv_none", size, True)
+        plain = limit_of(data, PLAIN, size, True)
         off = None if plain is None else abs(plain / farthest - 1.0)
         near, far = limit_of(data, "seater", size, False), limit_of(data, "seater", size, True)
         bars += [
@@ -276,15 +285,16 @@ def draw_range(data: dict[str, Any], path: Path) -> Path:
     methods = list(dict.fromkeys(entry["method"] for entry in data["limits"]))
     step, at, ticks = 1.0 / (len(methods) + 2), 0.0, []
     for size, (nearest, farthest) in PAPER.items():
-        bars = [("paper (published)", "#8a8f98", nearest, farthest)]
+        bars: list[tuple[str, str, float | None, float]] = [("paper (published)", "#8a8f98", nearest, farthest)]
         for method in methods:
             near, far = (limit_of(data, method, size, end) for end in (False, True))
             if far is not None:
-                bars.append((NAMES[method], COLOURS[method], near or nearest, far))
+                bars.append((NAMES[method], COLOURS[method], near, far))
         for i, (label, colour, near, far) in enumerate(bars):
             y = at - i * step
             first = size == next(iter(PAPER))
-            axes.barh(y, far - near, left=near, height=0.8 * step, color=colour, label=label if first else None)
+            left = near or 0.7 * far  # a stump where the near end was not measured
+            axes.barh(y, far - left, left=left, height=0.8 * step, color=colour, label=label if first else None)
             axes.text(far * 1.03, y, f"{far:.2f} m", va="center", fontsize=8)
         ticks.append(at - 0.5 * (len(bars) - 1) * step)
         at -= 1.0

@@ -222,9 +222,10 @@ def draw_speed(data: dict[str, Any], path: Path) -> Path:
             axis.loglog(x, y, "o-", color=COLOURS[name], label=LABELS.get(name, name))
         ticks = sorted({row["markers"] for row in data["rows"]})
         axis.set_xticks(ticks, [str(t) for t in ticks])
-        marks = (2, 5, 10, 20, 50, 100, 200, 500, 1000)
+        marks = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
         axis.set_yticks(marks, [str(m) for m in marks])
         axis.minorticks_off()
+        axis.set_ylim(0.5, 2000.0)
         axis.set(xlabel="markers in the picture", title=f"{width} x {height}")
         axis.grid(alpha=0.3)
     first = np.atleast_1d(axes)[0]
