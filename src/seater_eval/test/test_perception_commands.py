@@ -66,7 +66,8 @@ def test_bounds_of_the_normalised_error_hold_for_normal_errors() -> None:
 
 def test_median_length_of_a_bound() -> None:
     C = np.diag([0.0, 0.0, 4e-6, 1e-4, 1e-4, 1e-4]) + 1e-18 * np.eye(6)
-    rms, median, degrees = bound_entry(C)
+    rms, median, degrees, quantiles = bound_entry(C)
+    assert np.median(quantiles) == pytest.approx(median, rel=0.05)
     assert rms == pytest.approx(2.0)
     assert median == pytest.approx(2.0 * 0.6745, rel=0.05)
     assert degrees == pytest.approx(np.degrees(0.01 * np.sqrt(3.0)))
@@ -120,11 +121,18 @@ def accuracy_data(**changes: float) -> dict:
 
     def cell(distance: float, ours: float) -> dict:
         median = {"seater": ours, "opencv_default": value["default"] * distance / 0.5}
-        methods = {name: {"position_mm": {"median": m}} for name, m in median.items()}
-        inside = 5.0 < value["nees"] < 7.0
-        return {"size": 0.1, "distance": distance, "bound_median_mm": value["bound"], "methods": methods} | {
-            "nees": {"inside": inside}
+        methods = {
+            name: {"position_mm": {"median": m}, "every_mm": [0.5 * m, m, 3.0 * m]} for name, m in median.items()
         }
+        inside = 5.0 < value["nees"] < 7.0
+        bound = {"bound_median_mm": value["bound"], "bound_draws_mm": [value["bound"]] * 3}
+        return {
+            "size": 0.1,
+            "distance": distance,
+            "angle_deg": 0.0,
+            "methods": methods,
+            "nees": {"inside": inside},
+        } | bound
 
     branches = {key: value[key] for key in ("seater", "ippe", "found")}
     branches |= {"frames": 3000, "seater without prior": value["without"]}
@@ -142,6 +150,13 @@ def test_accuracy_bars() -> None:
     for change in wrong:
         assert not all(bar.met for bar in accuracy_bars(accuracy_data(**change))), change
     assert not all(bar.met for bar in accuracy_bars(accuracy_data() | {"published": None}))
+
+
+def test_errors_are_pooled_over_the_angles_of_a_distance() -> None:
+    data = accuracy_data()
+    data["cells"] += [dict(data["cells"][0], methods=accuracy_data(ours=0.2)["cells"][0]["methods"])]
+    bar = accuracy_bars(data)[0]
+    assert bar.value == pytest.approx(np.median([0.05, 0.1, 0.3, 0.1, 0.2, 0.6]) / 0.06)
 
 
 def test_an_interrupted_run_says_how_far_it_came(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
