@@ -79,13 +79,11 @@ void DockDetector::refineMarkers(const cv::Mat& grey, DetectionResult& result) c
   for (DetectedMarker& marker : result.markers) {
     const int id = marker.image.id;
     // Where several markers together leave one pose of the dock only, each one's branch is known.
-    int share = 1;
     if (dock.size() == 1 && dock.front().marker_ids.size() > 1 && layout_.markers.count(id)) {
-      if (parameters_.selection == "bundle") share = static_cast<int>(dock.front().marker_ids.size());
       keepNearest(dock.front().pose * layout_.markers.at(id).T_dock_marker(), marker);
     }
     const bool fitted =
-        refinePhotometrically(grey, camera_, patterns_.of(id), refiner_, priorOf(id), parameters_.pose, share, marker);
+        refinePhotometrically(grey, camera_, patterns_.of(id), refiner_, priorOf(id), parameters_.pose, marker);
     // The own search is generous with outlines: the grey levels have to prove the code.
     const bool proved = fitted && marker.image.side() >= parameters_.detector.min_side;
     if (!proved && parameters_.detector.search == "own") {

@@ -135,9 +135,10 @@ void MarkerDetector::Implementation::refine(const cv::Mat& grey, MarkerCorners& 
   if (!own) refineCorners(grey, cornerWindow(marker, cells, p), marker);
   if (p.edge_fit) {
     const double band = std::clamp(p.edge_band * marker.minSide() / cells, p.edge_band_min, p.edge_band_max);
-    if (const auto corners = fitEdges(grey, marker.corners, band)) {
-      marker.corners = *corners;
+    if (const auto edges = fitEdges(grey, marker.corners, band)) {
+      marker.corners = edges->corners;
       marker.edges_fitted = true;
+      marker.blur_sd = edges->blur_sd;
       return;
     }
   }

@@ -17,7 +17,6 @@ constexpr double kSideForDecision = 40.0;  // [px] smaller markers' corners do n
 constexpr double kExplainedSmall = 0.9, kExplainedLarge = 0.85;
 constexpr double kLargeSide = 40.0;                         // [px]
 constexpr double kBeyondScale = 0.15, kLargestBlur = 0.95;  // of the range of grey levels; of a cell
-constexpr int kFewestPixels = 300;                          // of a marker in a joint fit
 constexpr double kLargestGap = 0.3;  // [px] rms, between a marker's own corners and those of the joint pose
 
 /// Seeds that the corners cannot tell apart.
@@ -30,13 +29,6 @@ std::vector<Eigen::Isometry3d> openSeeds(const DetectedMarker& marker) {
     if (!decided || h.chi_squared - smallest < kClearlyWorse) seeds.push_back(h.pose);
   }
   return seeds;
-}
-
-/// The pixels of one fit, shared out among so many.
-PhotometricRefiner shared(const PhotometricRefiner& refiner, int share) {
-  PhotometricParameters parameters = refiner.parameters();
-  parameters.max_pixels = std::max(std::min(parameters.max_pixels, kFewestPixels), parameters.max_pixels / share);
-  return PhotometricRefiner(parameters);
 }
 
 /// Grey levels that the sensor could have seen, and a blur that leaves cells to be told apart.
@@ -124,21 +116,21 @@ const MarkerPattern& PatternBook::of(int id) {
 
 bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const MarkerPattern& pattern,
                            const PhotometricRefiner& refiner, const PosePrior& prior, const PoseParameters& parameters,
-                           int share, DetectedMarker& marker) {
+                           DetectedMarker& marker) {
   const std::vector<PatternPlacement> placement{{pattern, marker.size, Eigen::Isometry3d::Identity()}};
   const auto seeds = openSeeds(marker);
   const double explained = marker.image.side() < kLargeSide ? kExplainedSmall : kExplainedLarge;
-  const bool near = marker.image.edges_fitted;
+  const double blur = marker.image.edges_fitted ? marker.image.blur_sd : 0.0;
   const double full_scale = grey.depth() == CV_16U ? 65535.0 : 255.0;
-  const auto fit = [&](bool close) {
-    auto branches = refineBranches(shared(refiner, share), grey, camera, placement, seeds, close);
+  const auto fit = [&](double known_blur) {
+    auto branches = refiner.refineBranches(grey, camera, placement, seeds, known_blur);
     for (auto& b : branches) {
       b.result.converged = b.result.converged && plausible(b.result, marker.image.side(), pattern.cells(), full_scale);
     }
     return distinct(branches, explained);
   };
-  auto hypotheses = fit(near);
-  if (hypotheses.empty() && near) hypotheses = fit(false);
+  auto hypotheses = fit(blur);
+  if (hypotheses.empty() && blur > 0.0) hypotheses = fit(0.0);
   if (hypotheses.empty()) return false;
   Correspondences seen;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -178,8 +170,12 @@ void refineBundle(const cv::Mat& grey, const CameraModel& camera, PatternBook& p
   }
   std::vector<Eigen::Isometry3d> seeds;
   for (const auto& h : dock) seeds.push_back(h.pose);
-  const auto branches =
-      refineBranches(shared(refiner, static_cast<int>(placements.size())), grey, camera, placements, seeds, true);
+  double blur = 0.0, fitted = 0.0;
+  for (const DetectedMarker& m : markers) {
+    if (m.image.blur_sd > 0.0) blur += m.image.blur_sd, fitted += 1.0;
+  }
+  const auto branches = refiner.refineBranches(grey, camera, placements, seeds,
+                                               fitted > 0.0 ? blur / fitted : refiner.parameters().blur_sd);
   auto hypotheses = distinct(branches, kExplainedLarge);
   const auto ids = dock.front().marker_ids;
   Correspondences corners;

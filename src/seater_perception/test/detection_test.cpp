@@ -90,7 +90,8 @@ TEST(PixelConvention, countedPixels) {
   const auto corners = fitEdges(picture, {V(100, 80), V(159, 80), V(159, 139), V(100, 139)}, 3.0);
   ASSERT_TRUE(corners);
   const V expected[] = {{99.5, 79.5}, {159.5, 79.5}, {159.5, 139.5}, {99.5, 139.5}};
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_LT(((*corners)[i] - expected[i]).norm(), 0.1) << (*corners)[i].transpose();
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_LT((corners->corners[i] - expected[i]).norm(), 0.1) << corners->corners[i].transpose();
 }
 
 // Bounds: about twice what was measured (docs/perception.md), so that another seed passes and a broken refinement does

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "seater_perception/brightness.h"
 #include "seater_perception/camera_model.h"
 #include "seater_perception/marker_pattern.h"
 #include "seater_perception/photometric_parameters.h"
@@ -20,14 +22,6 @@ struct PatternPlacement {
   MarkerPattern pattern;
   double size = 0.0;  ///< side of the black square [m]
   Eigen::Isometry3d T_object_marker = Eigen::Isometry3d::Identity();
-};
-
-/// Grey level = (offset + gain * white) * (1 + slope . p), white 0 or 1, p from -1 to 1 across the marker's box in the
-/// picture.
-struct Brightness {
-  bool used = false;                ///< false: the marker is not in the picture
-  double offset = 0.0, gain = 0.0;  ///< [grey levels]
-  double slope_u = 0.0, slope_v = 0.0;
 };
 
 struct PhotometricResult {
@@ -49,6 +43,13 @@ struct PhotometricResult {
   int pixels = 0, iterations = 0;
 };
 
+/// One seed's result and what it weighs beside the others'.
+struct PhotometricBranch {
+  PhotometricResult result;
+  double chi_square = 0.0;  ///< robust, on the pixels common to all branches
+  double weight = 0.0;
+};
+
 /// Fits the pose of printed markers to the grey levels of a picture: every pixel near a cell border is compared with
 /// the pattern smoothed by pixel area and lens blur, and the weighted squares of the differences are minimised over
 /// pose, brightness and, if wanted, blur (Levenberg-Marquardt, first with Huber's, then with Tukey's weights: Huber,
@@ -60,29 +61,32 @@ class PhotometricRefiner {
  public:
   /// Throws ConfigurationError for an unknown `blur`.
   explicit PhotometricRefiner(const PhotometricParameters& parameters);
+  ~PhotometricRefiner();
+  PhotometricRefiner(PhotometricRefiner&&) noexcept;
 
   /// `grey` is CV_8UC1 or CV_16UC1 of the camera's size, else PictureError is thrown. `initial` is T_optical_object,
   /// good to a pixel or a third of a cell, whichever is larger. Whatever is in the picture, the result is finite.
   PhotometricResult refine(const cv::Mat& grey, const CameraModel& camera,
                            const std::vector<PatternPlacement>& placements, const Eigen::Isometry3d& initial) const;
 
+  /// Refines every seed, the most probable one first, and weighs the distinct results by their residuals alone: w ~
+  /// exp(-chi^2 / 2), all on the same pixels, with the best one's noise. Results that did not converge get weight 0,
+  /// and so do those that a first look at a part of the pixels shows to be hopeless or the same as an earlier one. Sum
+  /// 1 unless none converged.
+  ///
+  /// `known_blur` [px]: the lens blur to begin with, when the seeds are exact to about 0.1 px and nothing is covered,
+  /// so that the first, careful approach is left out; 0: the parameters' blur, and the seeds are as for `refine`.
+  std::vector<PhotometricBranch> refineBranches(const cv::Mat& grey, const CameraModel& camera,
+                                                const std::vector<PatternPlacement>& placements,
+                                                const std::vector<Eigen::Isometry3d>& seeds,
+                                                double known_blur = 0.0) const;
+
   const PhotometricParameters& parameters() const { return parameters_; }
 
  private:
+  struct Workspace;
   PhotometricParameters parameters_;
+  std::unique_ptr<Workspace> workspace_;  // memory used again by the next call: one refiner per thread
 };
-
-/// Refines every seed and weighs the distinct results by their residuals alone: w ~ exp(-chi^2 / 2), all on the same
-/// pixels, with the best one's noise. Results that did not converge get weight 0. Sum 1 unless none converged. `near`:
-/// the seeds are exact to about 0.1 px and nothing is covered, so that the first, careful approach is left out.
-struct PhotometricBranch {
-  PhotometricResult result;
-  double chi_square = 0.0;  ///< robust, on the pixels common to all branches
-  double weight = 0.0;
-};
-std::vector<PhotometricBranch> refineBranches(const PhotometricRefiner& refiner, const cv::Mat& grey,
-                                              const CameraModel& camera,
-                                              const std::vector<PatternPlacement>& placements,
-                                              const std::vector<Eigen::Isometry3d>& seeds, bool near = false);
 
 }  // namespace seater_perception

@@ -23,12 +23,10 @@ class PatternBook {
 /// apart; what remains is weighed by the photometric residual and the prior. Covariances are the fit's own. Corners
 /// become those of the best pose.
 ///
-/// `share`: so many fits share the parameters' largest number of pixels (markers whose joint fit follows).
-///
 /// False, and the marker unchanged, when no fit converged or the pattern does not explain the picture.
 bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const MarkerPattern& pattern,
                            const PhotometricRefiner& refiner, const PosePrior& prior, const PoseParameters& parameters,
-                           int share, DetectedMarker& marker);
+                           DetectedMarker& marker);
 
 /// One joint fit of the dock's pose over the markers of each hypothesis that rests on more than one. A hypothesis is
 /// left as it is when the fit does not converge, or explains the picture worse than the corners' accuracy allows:
