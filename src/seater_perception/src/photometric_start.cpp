@@ -9,6 +9,8 @@ namespace {
 
 constexpr int kBrightnessPixels = 512;  // are enough to begin with
 
+constexpr std::size_t kNoiseSteps = 500;
+
 using Seen = std::pair<float, float>;  // white, grey
 
 /// Mean white and median grey of a quarter of the pixels.
@@ -54,7 +56,8 @@ void PhotometricProblem::startBrightness(PhotometricState& state) {
 double PhotometricProblem::flatNoise() const {
   sorted_.clear();
   for (const MarkerSamples& samples : *samples_) {
-    for (const float step : samples.steps) sorted_.push_back(std::abs(step));
+    const std::size_t stride = samples.steps.size() / kNoiseSteps + 1;
+    for (std::size_t i = 0; i < samples.steps.size(); i += stride) sorted_.push_back(std::abs(samples.steps[i]));
   }
   if (sorted_.size() < 12) return 0.0;
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
