@@ -78,7 +78,7 @@ struct MarkerDetector::Implementation {
   std::set<int> ids;
 
   std::vector<MarkerCorners> byOpenCv(const cv::Mat& grey) const;
-  std::vector<MarkerCorners> byOwnSearch(const cv::Mat& grey, const cv::Rect& region) const;
+  std::vector<MarkerCorners> byOwnSearch(const PictureLevels& picture, const cv::Rect& region) const;
   void refine(const cv::Mat& grey, MarkerCorners& marker) const;
 };
 
@@ -108,16 +108,16 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::byOpenCv(const cv::Ma
   return markers;
 }
 
-std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const cv::Mat& grey,
+std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const PictureLevels& picture,
                                                                        const cv::Rect& region) const {
   QuadSearch search;
   search.window = parameters.search_window | 1;
   search.constant = parameters.search_constant;
   search.min_side = parameters.min_side;
   std::vector<MarkerCorners> markers;
-  for (Quad quad : findQuads(grey(region), search)) {
+  for (Quad quad : findQuads(picture.grey()(region), search)) {
     for (auto& corner : quad) corner += Eigen::Vector2d(region.x, region.y);
-    const auto reading = reader.read(grey, quad, parameters.min_correlation);
+    const auto reading = reader.read(picture, quad, parameters.min_correlation);
     if (!reading) continue;
     MarkerCorners marker;
     marker.id = reading->id;
@@ -159,7 +159,7 @@ std::vector<MarkerCorners> MarkerDetector::detect(const cv::Mat& grey) const {
   const bool own = implementation_->parameters.search == "own";
   const cv::Rect all(0, 0, grey.cols, grey.rows);
   std::vector<MarkerCorners> unique =
-      uniqueMarkers(own ? implementation_->byOwnSearch(grey, all) : implementation_->byOpenCv(grey));
+      uniqueMarkers(own ? implementation_->byOwnSearch(PictureLevels(grey), all) : implementation_->byOpenCv(grey));
   for (MarkerCorners& marker : unique) implementation_->refine(grey, marker);
   return unique;
 }
@@ -176,12 +176,13 @@ std::optional<MarkerCorners> MarkerDetector::follow(const cv::Mat& grey, int id,
   const cv::Point last(whole(high.x() + margin + 1.0, grey.cols), whole(high.y() + margin + 1.0, grey.rows));
   const cv::Rect region(first, last);
   if (region.width < kSmallestRegion || region.height < kSmallestRegion) return std::nullopt;
-  for (MarkerCorners& marker : uniqueMarkers(implementation_->byOwnSearch(grey, region))) {
+  const PictureLevels picture(grey);
+  for (MarkerCorners& marker : uniqueMarkers(implementation_->byOwnSearch(picture, region))) {
     if (marker.id != id) continue;
     implementation_->refine(grey, marker);
     return marker;
   }
-  const auto reading = implementation_->reader.follow(id, grey, predicted, reach, min_correlation);
+  const auto reading = implementation_->reader.follow(id, picture, predicted, reach, min_correlation);
   if (!reading) return std::nullopt;
   MarkerCorners marker;
   marker.id = id;

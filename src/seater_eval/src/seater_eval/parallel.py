@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 import time
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
@@ -31,6 +32,7 @@ def run_jobs(
     workers: int | None = None,
     label: str = "",
     progress: ProgressLine | None = None,
+    keep: Callable[[Result], None] | None = None,
 ) -> list[Result]:
     """function(job) for every job, in the order of the jobs.
 
@@ -38,6 +40,7 @@ def run_jobs(
         function: of a module (it is sent to other processes by name). It must take all randomness from its job.
         workers: processes; None: one per core. 1: everything in this process.
         label: what the progress line says it counts.
+        keep: called in this process with each result as it comes, in whatever order.
 
     Raises whatever `function` raises, in the caller.
     """
@@ -48,18 +51,26 @@ def run_jobs(
     if workers == 1:
         for index, job in enumerate(jobs):
             results[index] = function(job)
+            if keep is not None:
+                keep(results[index])
             tracker.done()
     else:
         for name in _ONE_THREAD:
             os.environ.setdefault(name, "1")
         context = multiprocessing.get_context("spawn")  # forking a process with threads in it is not safe
-        with context.Pool(workers) as pool:
+        with context.Pool(workers, _leave_interrupts_to_the_parent) as pool:
             calls = ((function, index, job) for index, job in enumerate(jobs))
             for index, result in pool.imap_unordered(_call, calls):
                 results[index] = result
+                if keep is not None:
+                    keep(result)
                 tracker.done()
     line.end()
     return results
+
+
+def _leave_interrupts_to_the_parent() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def cores() -> int:

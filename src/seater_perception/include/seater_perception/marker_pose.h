@@ -24,8 +24,9 @@ struct DetectedMarker {
 std::optional<Correspondences> markerCorrespondences(const CameraModel& camera, const MarkerCorners& marker,
                                                      double size, const PoseParameters& parameters);
 
-/// Both solutions of Collins and Bartoli, "Infinitesimal plane-based pose estimation" (IJCV 2014) for a square of side
-/// `size` [m] (OpenCV's SOLVEPNP_IPPE_SQUARE), smaller error first.
+/// Both poses of a square under which its corners are seen here, to first order about its middle (Collins and Bartoli,
+/// "Infinitesimal plane-based pose estimation", IJCV 2014), smaller error first. They are equal for an exactly frontal
+/// one. `corners.object`: as of markerCorners. Nothing when three corners are in a line.
 std::vector<Eigen::Isometry3d> squareSolutions(const Correspondences& corners);
 
 /// Pose of one marker: both solutions, each refined, weighed by reprojection error and prior. Nothing when the pose is

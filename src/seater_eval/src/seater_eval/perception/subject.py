@@ -47,12 +47,18 @@ def layout(size: float, prior: bool, ids: tuple[int, ...] = (0,), dictionary: st
 
 
 def make_detector(
-    camera: DegradedCamera, size: float, parameters: dict[str, Any], *, prior: bool, tracking: bool = False
+    camera: DegradedCamera,
+    size: float,
+    parameters: dict[str, Any],
+    *,
+    prior: bool,
+    tracking: bool = False,
+    ids: tuple[int, ...] = (0,),
 ) -> Any:
     """A DockDetector, or a DockTracker. Raises ParameterError naming the key."""
     kind = sp.DockTracker if tracking else sp.DockDetector
     try:
-        return kind(camera_model(camera), layout(size, prior), parameters)
+        return kind(camera_model(camera), layout(size, prior, ids), parameters)
     except sp.ConfigurationError as error:
         raise ParameterError(str(error)) from error
 
