@@ -17,6 +17,7 @@ constexpr double kSideForDecision = 40.0;  // [px] smaller markers' corners do n
 constexpr double kExplainedSmall = 0.9, kExplainedLarge = 0.85;
 constexpr double kLargeSide = 40.0;                         // [px]
 constexpr double kBeyondScale = 0.15, kLargestBlur = 0.95;  // of the range of grey levels; of a cell
+constexpr double kClipped = 0.05;                            // share of the pixels
 constexpr double kLargestGap = 0.3;  // [px] rms, between a marker's own corners and those of the joint pose
 
 /// Seeds that the corners cannot tell apart.
@@ -33,7 +34,9 @@ std::vector<Eigen::Isometry3d> openSeeds(const DetectedMarker& marker) {
 
 /// Grey levels that the sensor could have seen, and a blur that leaves cells to be told apart.
 bool plausible(const PhotometricResult& result, double side, int cells, double full_scale) {
-  const double least = -kBeyondScale * full_scale, most = (1.0 + kBeyondScale) * full_scale;
+  // Where the picture is clipped, the sensor does not know how dark or light it would have been.
+  const auto beyond = [full_scale](double clipped) { return (clipped > kClipped ? 1.0 : kBeyondScale) * full_scale; };
+  const double least = -beyond(result.clipped_low), most = full_scale + beyond(result.clipped_high);
   for (const Brightness& b : result.brightness) {
     if (b.used && (b.offset < least || b.offset + b.gain > most)) return false;
   }

@@ -35,19 +35,27 @@ class PixelWalk {
   bool look(double u, double v, Tile& tile);
   Kind kindOf(const Tile& tile, double radius) const;
   bool uniform(float x, float y, float wx, float wy) const;
-  float cellAt(float x, float y) const;
-  double greyAt(int u, int v) const;
+  bool white(float x, float y) const { return cells_[static_cast<std::size_t>(index(y) * side_ + index(x))] != 0; }
+  /// Floor of what is above -kRing, as a place in the table.
+  static int index(float x) { return static_cast<int>(x + static_cast<float>(kRing)); }
   void addStep(double a, double b, MarkerSamples& samples) const;
-  void addBlock(const PixelBox& box, const Tile& tile, const PixelBox& whole, MarkerSamples& samples) const;
-  void sort(const PixelBox& box, const Tile& tile, const PixelBox& whole, std::vector<PixelCandidate>& candidates,
+  template <typename Grey>
+  void walk(const PixelBox& box, std::vector<PixelCandidate>& candidates, MarkerSamples& samples);
+  template <typename Grey>
+  void addBlock(const PixelBox& part, const Tile& tile, const PixelBox& whole, MarkerSamples& samples) const;
+  template <typename Grey>
+  void sort(const PixelBox& part, const Tile& tile, const PixelBox& whole, std::vector<PixelCandidate>& candidates,
             MarkerSamples& samples) const;
 
+  static constexpr int kRing = 6;  // cells of quiet zone round the pattern in the table
+
   const cv::Mat& grey_;
-  const MarkerPattern& pattern_;
   const MarkerPlane plane_;
   const PhotometricParameters& parameters_;
   const RayGrid& grid_;
-  const double sd_, margin_, per_metre_, cells_, limit_;
+  const double sd_, margin_, per_metre_, count_, limit_;
+  const int side_;           // of the table
+  std::vector<char> cells_;  // the table: 1 white, row by row from kRing below the pattern
   double widest_ = 0.0, off_ = 0.0;
 };
 

@@ -40,6 +40,7 @@ struct PhotometricResult {
   double cost = 0.0;                ///< sum of Tukey's rho of all pixels at the result's noise_sd
   double inlier_share = 0.0;
   double explained = 0.0;  ///< part of the grey levels' variance that the pattern explains, outliers included; 1: all
+  double clipped_low = 0.0, clipped_high = 0.0;  ///< share of the pixels at either end of the sensor's range
   int pixels = 0, iterations = 0;
 };
 

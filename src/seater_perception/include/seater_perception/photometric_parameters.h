@@ -14,7 +14,7 @@ struct PhotometricParameters {
   double saturation = 0.0;
   double reach = 2.5;
   double margin = 0.7;
-  int max_pixels = 3000;
+  int max_pixels = 8000;
   int max_iterations = 40;
   double tukey = 6.0;
   double max_shift = 0.3;

@@ -55,6 +55,9 @@ class PhotometricProblem {
   /// block counts [grey levels^2].
   double greySquares() const;
   double residualSquares() const;
+  /// Share of the pixels up to, and from this grey level on.
+  double shareBelow(double level) const;
+  double shareAbove(double level) const;
 
   int unknowns() const;
   int pixels() const;
@@ -68,6 +71,8 @@ class PhotometricProblem {
   bool evaluateMarker(std::size_t m, const PhotometricState& state, const Weighing& weighing, double part);
   void addBlocks(std::size_t m, const Brightness& brightness, const Weighing& weighing, double sum[kColumns][kColumns]);
   void toObject(std::size_t m, const PhotometricState& state);
+  template <typename Is>
+  double share(const Is& is) const;
   bool view(std::size_t m, const PhotometricState& state, MarkerView& view) const;
   Shared reduced(double damping, SharedVector& right) const;
   Own brightnessInformation(std::size_t m, double damping) const;

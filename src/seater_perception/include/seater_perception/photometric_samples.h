@@ -36,11 +36,17 @@ class SampleCollector {
  private:
   void fill(const cv::Mat& grey, const CameraModel& camera, const MarkerPattern& pattern, const PixelBox& box, int most,
             MarkerSamples& samples);
+  void tabulate(const MarkerPattern& pattern, const PixelBatch& batch);
+  void fillPattern(int cells, PixelBatch& batch);
+  void bendRays(const CameraModel& camera, MarkerSamples& samples);
+  void setRange(const PixelBox& box, const CameraModel& camera, MarkerSamples& samples) const;
   static bool sheetBox(const CameraModel& camera, const PatternPlacement& placement, const Eigen::Isometry3d& pose,
                        double quiet_zone, PixelBox& box);
 
   RayGrid grid_;
   std::vector<PixelCandidate> candidates_;
+  std::vector<int> order_;    // of the candidates in the batch
+  std::vector<float> table_;  // PixelBatch::pattern for all places of the borders
 };
 
 }  // namespace seater_perception
