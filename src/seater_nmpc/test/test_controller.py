@@ -6,7 +6,8 @@ import pytest
 
 from seater_common.geometry import Chair, Dock, clearance
 from seater_common.se2 import arc_step, compose, relative
-from seater_nmpc.controller import DockingController, Status, _braked
+from seater_nmpc.command import Status
+from seater_nmpc.controller import DockingController, _braked
 from seater_nmpc.limits import clamp, in_bay
 from seater_nmpc.nlp import ProblemData, WarmStart
 from seater_nmpc.parameters import ControlParameters, Prediction

@@ -9,7 +9,8 @@ import pytest
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import arc_step
-from seater_nmpc.controller import DockingController, Status
+from seater_nmpc.command import Status
+from seater_nmpc.controller import DockingController
 from seater_nmpc.guard import GuardedSolver
 from seater_nmpc.limits import clamp
 from seater_nmpc.nlp import ProblemData, WarmStart

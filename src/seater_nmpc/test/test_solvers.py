@@ -9,8 +9,9 @@ import pytest
 
 from seater_common.geometry import Chair, Dock, clearance
 from seater_common.se2 import arc_step
+from seater_nmpc.command import Status
 from seater_nmpc.constraints import _best_angle
-from seater_nmpc.controller import DockingController, Status
+from seater_nmpc.controller import DockingController
 from seater_nmpc.geometry import dock_areas
 from seater_nmpc.model import augmented_step, step_curvature
 from seater_nmpc.nlp import WarmStart

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from enum import IntEnum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import compose, inverse, relative, transform_points, wrap_angle
+from seater_nmpc.braking import BrakingCheck
+from seater_nmpc.command import Command, Counters, Status
 from seater_nmpc.geometry import Areas, dock_areas
 from seater_nmpc.guard import GuardedSolver
 from seater_nmpc.limits import clamp, in_bay
@@ -32,45 +32,7 @@ _SPEED_MISMATCH = (
 _COLD_ROUNDS = 4  # solves of a cold start among obstacles, each with the lines that part the last one's plan from them
 _FARTHEST = 1000.0  # [m] distance of the target at which no solver is asked: from 1e300 m fatrop does not come back
 _RESTART_AFTER = 3  # failed solves in a row after which the warm start is thrown away
-
-
-class Status(IntEnum):
-    """Where a command comes from; the numbers of seater_msgs/ControllerStatus."""
-
-    SOLVED = 0
-    TIME_LIMIT = 1
-    FALLBACK_SHIFTED = 2
-    FALLBACK_BRAKE = 3
-    IDLE = 4
-
-
-@dataclass(frozen=True)
-class Command:
-    """What the chair is asked for, and how it came about."""
-
-    v: float  # [m/s]
-    omega: float  # [rad/s]
-    status: Status = Status.IDLE
-    solver: str = ""
-    text: str = ""
-    solve_time: float = 0.0  # wall time [s]
-    solve_cpu: float = 0.0  # the solver's time on the processor, in this thread [s]
-    iterations: int = 0
-    cost: float = 0.0
-    constraint_violation: float = 0.0  # largest violation in the plan [m or m/s]
-    path: Array = field(default_factory=lambda: np.zeros((0, 3)))  # planned poses (N + 1, 3) in the common frame
-
-
-@dataclass
-class Counters:
-    """How often what happened since the start of the program."""
-
-    cycles: int = 0
-    refused_inputs: int = 0  # non-finite
-    time_limits: int = 0
-    shifted: int = 0
-    braked: int = 0
-    consecutive_failures: int = 0  # cycles in a row that needed a fallback
+_TOO_NEAR = "an obstacle is within the stopping distance"
 
 
 class DockingController:
@@ -91,7 +53,8 @@ class DockingController:
         print(pose)  # at the dock, a hundredth of a millimetre away
 
     Whatever comes in, the command is finite and within the chair's limits of speed and acceleration. Without a usable
-    solution the last plan is followed for a short time (`fallback/max_plan_age`), then the chair brakes and stands.
+    solution the last plan is followed for a short time (`fallback/max_plan_age`), then the chair brakes and stands. A
+    command after which the chair could not stop short of an obstacle is not given: it brakes instead.
     """
 
     def __init__(
@@ -118,8 +81,12 @@ class DockingController:
         self._cold_limit = None if deterministic else ipopt.max_wall_time_cold
         self._solver.prepare([self._limit, self._cold_limit])
         self._history = CommandHistory(self.parameters.prediction)
+        prediction = self.parameters.prediction
+        period = self.parameters.control_period
+        self._braking = BrakingCheck(chair, self.parameters.stop_margin, period, prediction.motor_lag)
         self.counters = Counters()
         self._clock = self._solve_cpu = 0.0
+        self._acts_at = np.zeros(3)  # base_link in the dock's frame where the next command begins to act
         self._obstacles: list[Array] = []
         self.reset()
 
@@ -191,7 +158,7 @@ class DockingController:
         T_dock_target = self._target(target)
         pose, v, omega = self._history.roll(stamp, vehicle_pose, *velocity)
         before = self._speeds_before(v, omega)
-        T_dock_base = relative(dock_pose, pose)
+        self._acts_at = relative(dock_pose, pose)
         ahead = coasting_pose(pose, v, omega, self.parameters.prediction.motor_lag)
         ahead = coasting_pose(ahead, *before, -self._problem.lead)
         state = np.concatenate([relative(compose(dock_pose, T_dock_target), ahead), before])
@@ -200,7 +167,7 @@ class DockingController:
             return self._fall_back(stamp, None, f"target is farther than {_FARTHEST:.0f} m")
         areas = None if self._areas is None else self._areas.in_frame(T_dock_target)
         solution = self._solve(state, areas, stamp, T_dock_target)
-        slow = self._areas is not None and in_bay(self._chair, self._dock.bay, T_dock_base)
+        slow = self._areas is not None and in_bay(self._chair, self._dock.bay, self._acts_at)
         if not self._usable(solution):
             return self._fall_back(stamp, solution, solution.text, slow)
         return self._follow(solution, stamp, compose(dock_pose, T_dock_target), before, slow)
@@ -290,8 +257,11 @@ class DockingController:
         plan = self._problem.plan(solution.x)
         v, omega = plan.speeds_at(0.0 if plan.speeds_held else self.parameters.control_period)
         v, omega = clamp(self._chair, v, omega, before, self.parameters.control_period, slow)
-        self._history.sent(stamp, v, omega)
         self.counters.consecutive_failures = 0
+        if not self._stops_clear(v, omega):
+            self.counters.obstacle_stops += 1
+            return self._brake(stamp, solution, _TOO_NEAR, slow)
+        self._history.sent(stamp, v, omega)
         status = Status.SOLVED
         if solution.status is SolveStatus.LIMIT:
             self.counters.time_limits += 1
@@ -311,22 +281,37 @@ class DockingController:
         )
 
     def _fall_back(self, stamp: float, solution: Solution | None, text: str, slow: bool = False) -> Command:
-        """The last plan followed further, else braking with the curvature kept, which ends in standing."""
+        """The last plan followed further, else braking."""
         self.counters.consecutive_failures += 1
-        before, period = self._history.last or (0.0, 0.0), self.parameters.control_period
-        age = stamp - self._plan_stamp
+        age, period = stamp - self._plan_stamp, self.parameters.control_period
         if solution is not None and self._plan is not None and age <= self.parameters.fallback.max_plan_age + 1e-9:
-            status, (v, omega) = Status.FALLBACK_SHIFTED, self._plan.speeds_at(age + period)
-            self.counters.shifted += 1
-        else:
-            status, (v, omega) = Status.FALLBACK_BRAKE, _braked(before, self._chair.limits.a_max * period)
-            self.counters.braked += 1
+            v, omega = self._plan.speeds_at(age + period)
+            v, omega = clamp(self._chair, v, omega, self._history.last or (0.0, 0.0), period, slow)
+            if self._stops_clear(v, omega):
+                self.counters.shifted += 1
+                return self._sent(stamp, v, omega, Status.FALLBACK_SHIFTED, solution, text)
+        self.counters.braked += 1
+        return self._brake(stamp, solution, text, slow)
+
+    def _brake(self, stamp: float, solution: Solution | None, text: str, slow: bool) -> Command:
+        """Slower with the curvature kept, which ends in standing."""
+        before, period = self._history.last or (0.0, 0.0), self.parameters.control_period
+        v, omega = _braked(before, self._chair.limits.a_max * period)
         v, omega = clamp(self._chair, v, omega, before, period, slow)
+        return self._sent(stamp, v, omega, Status.FALLBACK_BRAKE, solution, text)
+
+    def _sent(
+        self, stamp: float, v: float, omega: float, status: Status, solution: Solution | None, text: str
+    ) -> Command:
+        """A command that does not come from a new plan; remembered as sent."""
         self._history.sent(stamp, v, omega)
         wall, cpu, iterations = 0.0, 0.0, 0
         if solution is not None:
             wall, cpu, iterations = solution.solve_time, self._solve_cpu, solution.iterations
         return Command(v, omega, status, self._solver.name, text, wall, cpu, iterations)
+
+    def _stops_clear(self, v: float, omega: float) -> bool:
+        return self._braking.passes(self._acts_at, v, omega, self._obstacles)
 
 
 def _composed(T: Array, poses: Array) -> Array:

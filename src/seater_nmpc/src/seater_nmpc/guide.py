@@ -49,6 +49,12 @@ class Guide:
         self._place = float(places[near[np.argmin(self._away(poses[near], pose))]])
         return _at(poses, places, self._place + lookahead)
 
+    def rest(self) -> Array:
+        """Poses (n, 3) of the way from the chair's last place on."""
+        poses, places = self._legs[self._leg]
+        ahead = poses[np.searchsorted(places, self._place) :]
+        return np.vstack([ahead, *(later for later, _ in self._legs[self._leg + 1 :])])
+
     def away(self, pose: ArrayLike) -> float:
         """Distance from the leg that is being driven, turns reckoned in [m]."""
         return float(np.min(self._away(self._legs[self._leg][0], np.asarray(pose, dtype=float))))

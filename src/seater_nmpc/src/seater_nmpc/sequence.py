@@ -19,7 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import relative
-from seater_nmpc.controller import Command, DockingController, Target
+from seater_nmpc.command import Command
+from seater_nmpc.controller import DockingController, Target
 from seater_nmpc.corridor import Corridor
 from seater_nmpc.measurement import Hypothesis
 from seater_nmpc.motion import MotionObserver
@@ -224,7 +225,7 @@ class DockingSequence:
 
     def _approach(self, chair: Instant) -> Command:
         error = self._look(chair)
-        if self._way_in(error) or self._at_predock(error, chair):
+        if self._way_in(error) or (self._at_predock(error, chair) and self._navigator.straight_way_clear(error)):
             self._enter(Phase.FINAL)
             return self._final(chair)
         return self._go(chair, error)

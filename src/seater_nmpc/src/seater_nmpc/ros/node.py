@@ -20,7 +20,8 @@ from std_msgs.msg import Bool, Header
 from seater_common.geometry import Chair, Dock, planar_pose
 from seater_common.params import load
 from seater_msgs.msg import ControllerStatus, InputDone, MarkerDetectionArray, ObstacleArray
-from seater_nmpc.controller import Command, DockingController
+from seater_nmpc.command import Command
+from seater_nmpc.controller import DockingController
 from seater_nmpc.navigator import Navigator
 from seater_nmpc.observer import DockObserver, Outcome
 from seater_nmpc.parameters import NmpcParameters
