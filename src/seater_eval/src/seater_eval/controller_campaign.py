@@ -210,5 +210,5 @@ def campaign_bars(data: dict[str, Any], quick: bool) -> list[Bar]:
         Bar("true heading error, 95th percentile", s["heading_error_deg"]["p95"], 0.5, "deg"),
         Bar("docking time / minimum time, median", s["time_ratio"]["median"], 1.3),
         Bar("markers out of view for more than 0.5 s", s["out_of_view"], 0.0, "runs", note=note),
-        Bar("runs", s["runs"], 8 if quick else 1000, "", "at least"),
+        Bar("runs", s["runs"], 40 if quick else 1000, "", "at least"),
     ]
