@@ -77,7 +77,8 @@ class DockingNode:
         self._clock: Callable[[], float] = rospy.get_time if self._lock_step else time.monotonic
         self._last_odometry = self._clock()
         self._controller.warm_up()  # before anything is advertised: the first cycle is not late
-        navigator.prepare()
+        if not shadow:
+            navigator.prepare()
         self._advertise()
         self._obstacles = Obstacles(self._tf, self._dock_frame, self._parameters.sequence.obstacle_timeout)
         self._diagnostics = Diagnostics(self._controller, self._observer, self._period)
