@@ -118,7 +118,7 @@ class FailingSolver:
 
 @pytest.fixture
 def failing(controller):
-    solver = FailingSolver(controller._solver)
+    solver = FailingSolver(controller._replanner._solver)
     return solver, DockingController(CHAIR, DOCK, deterministic=True, solver=solver)
 
 

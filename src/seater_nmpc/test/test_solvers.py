@@ -122,11 +122,11 @@ def test_a_failed_quadratic_programme_leads_to_the_fallback(rti_controller, monk
     controller = rti_controller
     controller.reset()
     pose, velocity = np.array([-2.5, 0.3, -0.1]), (0.0, 0.0)
-    true_data, statuses = controller._problem.data, []
+    true_data, statuses = controller._replanner._problem.data, []
     for k in range(24):
         impossible = 10 <= k < 14
         data = (lambda *given: _impossible(true_data(*given))) if impossible else true_data
-        monkeypatch.setattr(controller._problem, "data", data)
+        monkeypatch.setattr(controller._replanner._problem, "data", data)
         command = controller.command(pose, velocity, [0.0, 0.0, 0.0], stamp=0.05 * k)
         velocity = (command.v, command.omega)
         pose = arc_step(pose, *velocity, 0.05)
