@@ -7,7 +7,7 @@ import pytest
 
 from seater_common.geometry import Chair, polygon_distance
 from seater_common.se2 import arc_step
-from seater_nmpc.braking import BrakingCheck
+from seater_nmpc.braking import BrakingCheck, braked, curvature_at
 from seater_nmpc.command import Status
 from seater_nmpc.parameters import ControlParameters
 
@@ -43,6 +43,39 @@ def test_the_way_out_stays_open() -> None:
     touching = [box_ahead(-0.01)]
     assert not CHECK.passes(np.zeros(3), 0.05, 0.0, touching)
     assert CHECK.passes(np.zeros(3), -0.3, 0.0, touching)
+
+
+def arc(curvature: float, length: float, pieces: int = 20) -> np.ndarray:
+    """Poses on an arc from the origin, driven forward (backward with a negative length)."""
+    step = length / pieces
+    poses = [np.zeros(3)]
+    for _ in range(pieces):
+        poses.append(arc_step(poses[-1], step, curvature * step, 1.0))
+    return np.array(poses)
+
+
+def test_a_planned_path_that_stays_clear_for_the_stopping_distance_counts_too() -> None:
+    """Bending away from a box that the present arc would lead into; what lies beyond the stopping distance does not matter."""
+    outline = [box(FRONT + 0.4, -0.35)]
+    path = arc(1.5, 1.2)
+    assert not CHECK.passes(np.zeros(3), 0.4, -0.1, outline)
+    assert CHECK.passes(np.zeros(3), 0.4, -0.1, outline, path)
+    assert not CHECK.passes(np.zeros(3), 0.4, -0.1, outline, arc(-0.2, 1.2))
+    far = [box(path[-1, 0], path[-1, 1])]
+    assert CHECK.passes(np.zeros(3), 0.4, -0.1, far, path)
+
+
+def test_braking_keeps_the_curvature_of_the_path_or_of_the_last_command() -> None:
+    assert braked((0.3, 0.2), 0.025, None) == pytest.approx((0.275, 0.2 * 0.275 / 0.3))
+    assert braked((-0.3, 0.2), 0.025, None) == pytest.approx((-0.275, 0.2 * 0.275 / 0.3))
+    assert braked((0.3, 0.2), 0.025, -0.5) == pytest.approx((0.275, -0.5 * 0.275))
+    assert braked((0.02, 0.2), 0.025, 0.5) == (0.0, 0.0)
+
+
+def test_curvature_of_a_path_forward_and_backward() -> None:
+    assert curvature_at(arc(0.8, 1.0), [0.3, 0.1, 0.0]) == pytest.approx(0.8, rel=1e-3)
+    assert curvature_at(arc(0.8, -1.0), [-0.3, 0.1, 0.0]) == pytest.approx(0.8, rel=1e-3)
+    assert curvature_at(np.zeros((5, 3)), np.zeros(3)) is None
 
 
 @pytest.mark.parametrize("gap", [0.55, 0.7, 1.0])

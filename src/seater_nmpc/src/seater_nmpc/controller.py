@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import compose, relative
-from seater_nmpc.braking import BrakingCheck
+from seater_nmpc.braking import BrakingCheck, braked, curvature_at
 from seater_nmpc.command import Command, Counters, Status
 from seater_nmpc.geometry import dock_areas
 from seater_nmpc.limits import clamp, in_bay
@@ -218,9 +218,11 @@ class DockingController:
         return self._brake(stamp, solution, text, slow)
 
     def _brake(self, stamp: float, solution: Solution | None, text: str, slow: bool) -> Command:
-        """Slower with the curvature kept, which ends in standing."""
+        """Slower along the last plan's path, or with the curvature kept, which ends in standing."""
         before, period = self._history.last or (0.0, 0.0), self.parameters.control_period
-        v, omega = _braked(before, self._chair.limits.a_max * period)
+        path = self._replanner.path
+        curvature = None if path is None else curvature_at(path, self._acts_at)
+        v, omega = braked(before, self._chair.limits.a_max * period, curvature)
         v, omega = clamp(self._chair, v, omega, before, period, slow)
         return self._sent(stamp, v, omega, Status.FALLBACK_BRAKE, solution, text)
 
@@ -235,12 +237,6 @@ class DockingController:
         return Command(v, omega, status, self._replanner.name, text, wall, cpu, iterations)
 
     def _stops_clear(self, v: float, omega: float) -> bool:
-        return self._braking.passes(self._acts_at, v, omega, self._obstacles)
-
-
-def _braked(before: tuple[float, float], change: float) -> tuple[float, float]:
-    v, omega = before
-    if abs(v) <= change:
-        return 0.0, 0.0
-    slower = v - math.copysign(change, v)
-    return slower, omega * slower / v
+        if not self._obstacles:
+            return True
+        return self._braking.passes(self._acts_at, v, omega, self._obstacles, self._replanner.path)

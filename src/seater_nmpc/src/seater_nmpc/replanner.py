@@ -58,6 +58,11 @@ class Replanner:
         self._failures = 0
 
     @property
+    def path(self) -> Array | None:
+        """The last plan's poses (N + 1, 3) in the dock's frame."""
+        return None if self.plan is None else composed(self._target, self.plan.states[:, :3])
+
+    @property
     def name(self) -> str:
         """The solver's."""
         return self._solver.name
