@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 rospy = pytest.importorskip("rospy")
-tf2_ros = pytest.importorskip("tf2_ros")
-from geometry_msgs.msg import Point32, Polygon, TransformStamped  # noqa: E402
+pytest.importorskip("tf2_ros")
+from geometry_msgs.msg import Point32, Polygon  # noqa: E402
+from transforms import Transforms  # noqa: E402
 
 from seater_common.se2 import inverse, transform_points  # noqa: E402
 from seater_msgs.msg import ObstacleArray  # noqa: E402
@@ -75,21 +76,6 @@ def test_without_a_time_out_they_hold() -> None:
     memory.replace([BOX], bound_to_dock=True)
     assert [memory.forget_stale(now) for now in (0.0, 1e6)] == [False, False]
     assert len(memory.in_dock(None)) == 1
-
-
-class Transforms(tf2_ros.BufferCore):
-    """The transforms without the listener, the waiting and the service of tf2_ros.Buffer."""
-
-    def lookup_transform(self, target, source, time):
-        return self.lookup_transform_core(target, source, time)
-
-    def put(self, parent: str, child: str, pose, stamp: float) -> None:
-        message = TransformStamped()
-        message.header.frame_id, message.child_frame_id = parent, child
-        message.header.stamp = rospy.Time.from_sec(stamp)
-        message.transform.translation.x, message.transform.translation.y = pose[0], pose[1]
-        message.transform.rotation.z, message.transform.rotation.w = math.sin(pose[2] / 2), math.cos(pose[2] / 2)
-        self.set_transform(message, "test")
 
 
 @pytest.fixture
