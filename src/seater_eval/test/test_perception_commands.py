@@ -1,6 +1,5 @@
 """Parts of the perception commands: conventions of the peers, errors, bars."""
 
-import json
 import os
 import signal
 from pathlib import Path
@@ -11,7 +10,7 @@ import pytest
 from seater_eval.perception import subject
 from seater_eval.perception.accuracy_cells import bound_entry, nees_entry
 from seater_eval.perception.degraded_camera import load_degraded_camera
-from seater_eval.perception.interim import Interim, told_when_interrupted
+from seater_eval.perception.long_run import run_long
 from seater_eval.perception.negatives import KINDS, negative
 from seater_eval.perception.peers import PEERS, dictionary_of, make_peer
 from seater_eval.perception.render import Print, clean_picture, corners_of, exposed
@@ -159,17 +158,28 @@ def test_errors_are_pooled_over_the_angles_of_a_distance() -> None:
     assert bar.value == pytest.approx(np.median([0.05, 0.1, 0.3, 0.1, 0.2, 0.6]) / 0.06)
 
 
-def test_an_interrupted_run_says_how_far_it_came(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    interim = Interim(tmp_path, "some_command")
-    assert not interim.path.exists()
-    keep, _ = interim.part("cells", 3), interim.part("frames", 10)
-    with pytest.raises(SystemExit) as ended, told_when_interrupted(interim):
-        keep({"error": np.float64(0.5), "corners": np.zeros((1, 2))})
-        keep({"error": 0.25})
+def job_that_is_interrupted_once(job: tuple[int, str]) -> int:
+    """Job 2 asks this process to end, the first time."""
+    number, folder = job
+    mark = Path(folder) / f"ran_{number}"
+    if number == 2 and not mark.exists():
+        mark.touch()
         os.kill(os.getpid(), signal.SIGTERM)
+    mark.touch()
+    return 10 * number
+
+
+def test_an_interrupted_run_says_how_far_it_came_and_goes_on(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("seater_eval.parallel.cores", lambda: 1)
+    jobs, partial = [(number, str(tmp_path)) for number in range(4)], tmp_path / "some.partial"
+    with pytest.raises(SystemExit) as ended:
+        run_long(job_that_is_interrupted_once, jobs, label="some", config=CONFIG, partial=partial)
     assert ended.value.code == 130
-    assert "cells: 2 of 3, frames: 0 of 10" in capsys.readouterr().out
-    lines = [json.loads(line) for line in interim.path.read_text().splitlines()]
-    assert [line["result"]["error"] for line in lines] == [0.5, 0.25]
-    interim.finished()
-    assert not interim.path.exists()
+    assert f"2 of 4 parts are kept in {partial}" in capsys.readouterr().out
+    (tmp_path / "ran_0").unlink()
+    assert run_long(job_that_is_interrupted_once, jobs, label="some", config=CONFIG, partial=partial) == [0, 10, 20, 30]
+    assert not (tmp_path / "ran_0").exists()  # its result was kept
+    assert not partial.exists()
+    assert any("libseater_perception" in file.name for file in subject.library_files())

@@ -10,11 +10,10 @@ import numpy as np
 
 from seater_eval.bars import Bar, text_table
 from seater_eval.evaluation_style import figure, save
-from seater_eval.parallel import run_jobs
 from seater_eval.perception import subject
 from seater_eval.perception.accuracy_cells import BranchJob, CellJob, count_wrong_branches, run_cell
 from seater_eval.perception.degraded_camera import load_degraded_camera
-from seater_eval.perception.interim import Interim
+from seater_eval.perception.long_run import run_long
 from seater_eval.perception.peers import LABELS
 from seater_eval.perception.published import published_pictures
 
@@ -47,8 +46,8 @@ COLOURS = {
 }
 
 
-def run_accuracy(config: str | Path, quick: bool, interim: Interim | None = None) -> dict[str, Any]:
-    """All cells, the wrong-branch frames, the published pictures. Raises ParameterError."""
+def run_accuracy(config: str | Path, quick: bool, partial: Path | None = None) -> dict[str, Any]:
+    """All cells, the wrong-branch frames, the published pictures. `partial`: see run_long. Raises ParameterError."""
     config = str(config)
     camera = load_degraded_camera(Path(config) / "cameras" / "degraded.yaml")
     subject.make_detector(camera, 0.1, subject.perception_parameters(config), prior=True)  # wrong parameters: now
@@ -58,14 +57,11 @@ def run_accuracy(config: str | Path, quick: bool, interim: Interim | None = None
         wanted = [(size, z, angle) for size in SIZES for z in DISTANCES[size] for angle in ANGLES]
     methods, pictures, slow, frames = (QUICK_METHODS, 12, 0, 60) if quick else (METHODS, 48, 12, 3000)
     jobs = [CellJob(config, *cell, pictures, slow, methods, i) for i, cell in enumerate(wanted)]
-    jobs.sort(
-        key=lambda job: job.distance / job.size
-    )  # those that take longest first, so that no core waits at the end
+    jobs.sort(key=lambda job: job.distance / job.size)  # the longest first, so that no core waits at the end
     blocks = [BranchJob(config, first, min(first + 20, frames)) for first in range(0, frames, 20)]
-    keep = (interim.part("cells", len(jobs)), interim.part("blocks", len(blocks))) if interim else (None, None)
-    cells = run_jobs(run_cell, jobs, label="cells of the accuracy table", keep=keep[0])
+    results = run_long(run_part, [*jobs, *blocks], label="perception_accuracy", config=config, partial=partial)
+    cells, counts = results[: len(jobs)], results[len(jobs) :]
     cells.sort(key=lambda cell: (cell["size"], cell["distance"], cell["angle_deg"]))
-    counts = run_jobs(count_wrong_branches, blocks, label="20 frames for wrong branches", keep=keep[1])
     return {
         "quick": quick,
         "conditions": {k: getattr(camera, k) for k in camera.__dataclass_fields__},
@@ -73,6 +69,11 @@ def run_accuracy(config: str | Path, quick: bool, interim: Interim | None = None
         "branches": {key: sum(c[key] for c in counts) for key in counts[0]},
         "published": published_pictures(config),
     }
+
+
+def run_part(job: CellJob | BranchJob) -> dict[str, Any]:
+    """One cell of the table, or one block of frames."""
+    return run_cell(job) if isinstance(job, CellJob) else count_wrong_branches(job)
 
 
 def _median(cell: dict[str, Any], method: str) -> float | None:

@@ -14,10 +14,10 @@ import numpy as np
 
 from seater_eval.bars import Bar, text_table
 from seater_eval.evaluation_style import figure, save
-from seater_eval.parallel import job_seed, run_jobs
+from seater_eval.parallel import job_seed
 from seater_eval.perception import subject
 from seater_eval.perception.degraded_camera import DegradedCamera, load_degraded_camera
-from seater_eval.perception.interim import Interim
+from seater_eval.perception.long_run import run_long
 from seater_eval.perception.negatives import KINDS, negative
 from seater_eval.perception.peers import LABELS, Detector, dictionary_of, make_peer
 from seater_eval.perception.render import Picture, Print, clean_picture, exposed
@@ -184,9 +184,9 @@ def negative_picture(config: str | Path, index: int) -> tuple[str, Picture]:
 
 
 def run_range(
-    config: str | Path, quick: bool, negatives: int | None = None, interim: Interim | None = None
+    config: str | Path, quick: bool, negatives: int | None = None, partial: Path | None = None
 ) -> dict[str, Any]:
-    """All ends of all ranges, then the pictures without markers."""
+    """All ends of all ranges, then the pictures without markers. `partial`: see run_long. Raises ParameterError."""
     config = str(config)
     camera = camera_of(config)
     subject.make_detector(camera, 0.1, subject.perception_parameters(config), prior=False)  # wrong parameters: now
@@ -204,9 +204,8 @@ def run_range(
     ]
     jobs.sort(key=lambda job: job.far)  # those that take longest first, so that no core waits at the end
     blocks = [NegativeJob(config, first, min(first + 20, total)) for first in range(0, total, 20)]
-    keep = (interim.part("ends of ranges", len(jobs)), interim.part("blocks", len(blocks))) if interim else (None, None)
-    limits = run_jobs(find_limit, jobs, label="range", keep=keep[0])
-    counts = run_jobs(count_false, blocks, label="20 pictures without markers", keep=keep[1])
+    results = run_long(run_part, [*jobs, *blocks], label="perception_range", config=config, partial=partial)
+    limits, counts = results[: len(jobs)], results[len(jobs) :]
     return {
         "quick": quick,
         "conditions": {
@@ -220,6 +219,11 @@ def run_range(
         "negatives": {kind: sum(c["shown"][kind] for c in counts) for kind in KINDS},
         "false_detections": [false for c in counts for false in c["false"]],
     }
+
+
+def run_part(job: RangeJob | NegativeJob) -> dict[str, Any]:
+    """One end of one range, or one block of pictures without markers."""
+    return find_limit(job) if isinstance(job, RangeJob) else count_false(job)
 
 
 def limit_of(data: dict[str, Any], method: str, size: float, far: bool) -> float | None:

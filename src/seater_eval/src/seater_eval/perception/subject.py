@@ -68,6 +68,12 @@ def has_tracker() -> bool:
     return hasattr(sp, "DockTracker")
 
 
+def library_files() -> list[Path]:
+    """The files of the library and its Python module as they are loaded in this process."""
+    maps = Path("/proc/self/maps").read_text().splitlines()
+    return sorted({Path(line.split()[-1]) for line in maps if "seater_perception" in line and ".so" in line})
+
+
 def as_peer(detector: Any) -> Detector:
     """The same interface as the peers'."""
 
