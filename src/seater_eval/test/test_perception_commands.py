@@ -137,7 +137,12 @@ def accuracy_data(**changes: float) -> dict:
     branches |= {"frames": 3000, "seater without prior": value["without"]}
     ours = {"found": 15 - value["missed"], "median_mm": value["median"], "worst_mm": 9.0}
     published = {"tags": 15, "seater": ours, "best_opencv_median_mm": 2.0, "best_opencv_worst_mm": 10.0}
-    return {"cells": [cell(0.5, value["ours"]), cell(2.84, value["far"])], "branches": branches, "published": published}
+    return {
+        "quick": False,
+        "cells": [cell(0.5, value["ours"]), cell(2.84, value["far"])],
+        "branches": branches,
+        "published": published,
+    }
 
 
 def test_accuracy_bars() -> None:
@@ -149,6 +154,8 @@ def test_accuracy_bars() -> None:
     for change in wrong:
         assert not all(bar.met for bar in accuracy_bars(accuracy_data(**change))), change
     assert not all(bar.met for bar in accuracy_bars(accuracy_data() | {"published": None}))
+    few = accuracy_data(ippe=0, without=0) | {"quick": True}
+    assert len(accuracy_bars(few)) == len(accuracy_bars(accuracy_data())) - 1
 
 
 def test_errors_are_pooled_over_the_angles_of_a_distance() -> None:

@@ -1,4 +1,4 @@
-"""The perception commands refuse a wrong configuration. (Their --quick versions run in the stage `evaluation` of `./seater test`.)"""
+"""The perception commands refuse a wrong configuration. Their --quick versions run in `./seater test`, stage `evaluation`."""
 
 import os
 import subprocess
