@@ -40,6 +40,8 @@ class PhotometricProblem {
   double spread(double quantile) const;
   /// The same of the picture's noise alone, from the steps between neighbours within cells; clipped ones tell nothing.
   double flatNoise() const;
+  /// Whether there are enough such steps.
+  bool tellsNoise() const;
 
   /// The step that minimises the damped quadratic model, times `stretch`, applied to `state`; nothing when the
   /// equations are singular. `length`: its square in the metric of the normal equations [grey levels^2].
