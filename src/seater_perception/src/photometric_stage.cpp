@@ -19,7 +19,7 @@ constexpr double kLargeSide = 40.0;                         // [px]
 constexpr double kBeyondScale = 0.15, kLargestBlur = 0.95;  // of the range of grey levels; of a cell
 // Residuals at edges over those of flat pixels, and distance from the fitted edges' corners over its standard
 // deviation: from here on, the print is not what the model says.
-constexpr double kMisfit = 2.5, kContradiction = 1.5;
+constexpr double kMisfit = 1.8, kContradiction = 1.0;
 constexpr double kClipped = 0.05;    // share of the pixels
 constexpr double kLargestGap = 0.3;  // [px] rms, between a marker's own corners and those of the joint pose
 
@@ -157,7 +157,7 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
   }
   for (auto& h : hypotheses) h.error = reprojectionError(camera, seen, h.pose);
   // A print that is bent or has grown cells: where the model does not hold, the outer edges are what its size means.
-  const double contradiction = kContradiction * M_SQRT2 * parameters.corner_sigma;
+  const double contradiction = kContradiction * parameters.corner_sigma;
   if (marker.image.edges_fitted && misfit > kMisfit && hypotheses.front().error > contradiction) return true;
   marker.hypotheses = hypotheses;
   marker.image.corners = corners;
