@@ -56,6 +56,8 @@ def make_detector(
     ids: tuple[int, ...] = (0,),
 ) -> Any:
     """A DockDetector, or a DockTracker. Raises ParameterError naming the key."""
+    if tracking and not parameters.get("tracking", {}).get("enabled", True):
+        raise ParameterError("perception/tracking/enabled: is false, must be true where the track is measured")
     kind = sp.DockTracker if tracking else sp.DockDetector
     try:
         return kind(camera_model(camera), layout(size, prior, ids), parameters)
