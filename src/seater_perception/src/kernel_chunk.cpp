@@ -127,7 +127,7 @@ SEATER_VECTOR_CLONES void addCrossing(const float* jump, const Border& x, const 
 /// The pattern smoothed by the point-spread function; see PixelBatch::pattern.
 void smooth(const PixelBatch& batch, int first, int n, const Hits& hits, Response& out) {
   const int K = batch.borders;
-  Border columns[kMostBorders], rows[kMostBorders];
+  Border columns[PixelBatch::kMostBorders], rows[PixelBatch::kMostBorders];
   for (int k = 0; k < K; ++k) {
     standardise(hits.x, hits.ix, batch.column.data() + first, k, n, columns[k]);
     standardise(hits.y, hits.iy, batch.row.data() + first, k, n, rows[k]);

@@ -23,7 +23,8 @@ struct MarkerCorners {
   std::array<Eigen::Vector2d, 4> corners;
   bool edges_fitted =
       false;  ///< true: corners are intersections of fitted edges; false: of the code or cornerSubPix, less accurate
-  double blur_sd = 0.0;  ///< of the lens, from the fitted edges; 0: not known [px]
+  double corner_sigma = 0.0;  ///< standard deviation of a corner coordinate; 0: as the parameters say [px]
+  double blur_sd = 0.0;       ///< of the lens, from the fitted edges; 0: not known [px]
 
   double side() const;     ///< mean side [px]
   double minSide() const;  ///< shortest side [px]

@@ -63,6 +63,7 @@ struct PoseParameters {
   double max_reprojection_error = 1.0;
   double max_reprojection_fraction = 0.02;
   double placement_tolerance = 0.005;
+  double placement_sigma = 0.0005;
 
   template <typename Visitor>
   void visit(Visitor& v) {
@@ -76,6 +77,7 @@ struct PoseParameters {
     v.number("max_reprojection_error", max_reprojection_error, "px", 0.05, 20.0, "larger ones are refused, if also:");
     v.number("max_reprojection_fraction", max_reprojection_fraction, "sides", 0.0, 0.2,
              "of the marker's side exceeded");
+    v.number("placement_sigma", placement_sigma, "m", 0.0, 0.05, "standard deviation of the markers' places");
     v.number("placement_tolerance", placement_tolerance, "m", 0.0, 0.1, "how far a marker may be from its place");
   }
 };

@@ -28,7 +28,7 @@ def perception_parameters(config: str | Path) -> dict[str, Any]:
         raise ParameterError(f"cannot read {path}: {error}") from error
     values = copy.deepcopy(values)
     if isinstance(values, dict) and isinstance(values.get("pose"), dict) and "model_sigma" in values["pose"]:
-        values["pose"]["model_sigma"] = 0.0
+        values["pose"]["model_sigma"] = values["pose"]["placement_sigma"] = 0.0
     return dict(values) if isinstance(values, dict) else {}
 
 
