@@ -20,7 +20,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 OUTPUT = ROOT / "results" / "test"
 LONGEST = 1200  # [s] of one command
-EVALUATIONS = ("docking_table", "solver_benchmark", "controller_campaign")
+EVALUATIONS = (
+    "docking_table", "solver_benchmark", "controller_campaign",
+    "perception_accuracy", "perception_range", "perception_speed",
+)  # fmt: skip
 
 
 @dataclass

@@ -7,6 +7,9 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "column_products.h"
+#include "seater_perception/fast_normal.h"
+
 namespace seater_perception {
 namespace {
 
@@ -17,20 +20,31 @@ constexpr double kBentFrom = 60.0;         // [px] from this length on, a side m
 constexpr double kSmallestContrast = 8.0;  // [grey levels] between light and dark
 constexpr double kLargestResidual = 0.15;  // rms, of the contrast: more is not one edge
 constexpr int kSteps = 12;
-constexpr double kDone = 1e-3;          // [px]
-constexpr std::size_t kSamples = 3000;  // of a side are enough; a longer side gives every second, third ... pixel
+constexpr double kDone = 1e-3;         // [px]
+constexpr double kSamples = 1200.0;    // of a side are enough; a longer side gives every second, third ... pixel
+constexpr double kSmallestBlur = 0.1;  // [px] that is told of a lens
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-struct Sample {
-  double t, s, grey;  // t from -1 to 1 along the side, s [px] outwards
+/// Pixels of the band round a side.
+struct Samples {
+  std::vector<float> t, s, grey;  // t from -1 to 1 along the side, s [px] outwards
+
+  void clear() { t.clear(), s.clear(), grey.clear(); }
+  std::size_t size() const { return t.size(); }
+  void add(double along, double outwards, double value) {
+    t.push_back(static_cast<float>(along));
+    s.push_back(static_cast<float>(outwards));
+    grey.push_back(static_cast<float>(value));
+  }
 };
 
 /// A side: where it was supposed to be, and the fitted offset outwards, a + b t + c t^2 [px].
 struct Side {
   Eigen::Vector2d middle, along, outward;  // unit vectors
   double half = 0.0;                       // half length [px]
+  double width = 0.0;                      // standard deviation of the step's blur [px]
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
 
   double at(double t) const { return offset[0] + t * (offset[1] + t * offset[2]); }
@@ -48,78 +62,114 @@ Side between(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Eigen
   return side;
 }
 
+/// Where low <= a + b x <= high, cut from [first, last].
+void cut(double a, double b, double low, double high, double& first, double& last) {
+  if (std::abs(b) < 1e-9) {
+    if (a < low || a > high) last = first - 1.0;
+    return;
+  }
+  const double p = (low - a) / b, q = (high - a) / b;
+  first = std::max(first, std::min(p, q));
+  last = std::min(last, std::max(p, q));
+}
+
 /// All pixels of the band round the side as it is known now; false when the band leaves the picture.
-bool collect(const cv::Mat& grey, const Side& side, double band, std::vector<Sample>& samples) {
+bool collect(const cv::Mat& grey, const Side& side, double band, Samples& samples) {
   samples.clear();
   const double reach = 1.0 - std::min(kSkippedPart, kSkippedEnd / side.half);
   const Eigen::Vector2d a = side.point(-1.0), b = side.point(1.0);
-  const double margin = band + std::abs(side.offset[2]) + 1.0;
-  const int x0 = static_cast<int>(std::floor(std::min(a.x(), b.x()) - margin));
-  const int x1 = static_cast<int>(std::ceil(std::max(a.x(), b.x()) + margin));
+  const double margin = band + std::abs(side.offset[2]) + 1.0, most = band + side.offset.cwiseAbs().sum();
   const int y0 = static_cast<int>(std::floor(std::min(a.y(), b.y()) - margin));
   const int y1 = static_cast<int>(std::ceil(std::max(a.y(), b.y()) + margin));
+  const int stride = static_cast<int>(4.0 * side.half * band / kSamples) + 1;
+  int number = 0;
   for (int y = y0; y <= y1; ++y) {
-    for (int x = x0; x <= x1; ++x) {
-      const Eigen::Vector2d d = Eigen::Vector2d(x, y) - side.middle;
-      const double t = d.dot(side.along) / side.half, s = d.dot(side.outward);
-      if (std::abs(t) > reach || std::abs(s - side.at(t)) > band) continue;
+    double first = side.middle.x() - side.half - margin, last = side.middle.x() + side.half + margin;
+    const double dy = y - side.middle.y();
+    cut(dy * side.along.y() - side.middle.x() * side.along.x(), side.along.x(), -reach * side.half, reach * side.half,
+        first, last);
+    cut(dy * side.outward.y() - side.middle.x() * side.outward.x(), side.outward.x(), -most, most, first, last);
+    for (int x = static_cast<int>(std::ceil(first)); x <= last; ++x) {
+      const double dx = x - side.middle.x();
+      const double t = (dx * side.along.x() + dy * side.along.y()) / side.half;
+      const double s = dx * side.outward.x() + dy * side.outward.y();
+      if (std::abs(s - side.at(t)) > band) continue;
       if (x < 0 || y < 0 || x >= grey.cols || y >= grey.rows) return false;
-      samples.push_back({t, s, static_cast<double>(grey.at<uchar>(y, x))});
+      if (++number % stride == 0) samples.add(t, s, grey.ptr<uchar>(y)[x]);
     }
   }
-  if (samples.size() < 16) return false;
-  const std::size_t stride = samples.size() / kSamples + 1;
-  if (stride > 1) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < samples.size(); i += stride) samples[kept++] = samples[i];
-    samples.resize(kept);
-  }
-  return true;
+  return samples.size() >= 16;
 }
 
 /// Parameters of the step: offset a, b, c; middle grey, half contrast, width.
-struct Step {
-  Vector6d p;
+using Step = Vector6d;
 
-  /// Grey level of a sample and its derivative by the parameters.
-  double value(const Sample& q, Vector6d& by_p) const {
-    const double z = (q.s - (p[0] + q.t * (p[1] + q.t * p[2]))) / (std::sqrt(2.0) * p[5]);
-    const double step = std::erf(z);
-    const double slope = p[4] * 2.0 / std::sqrt(M_PI) * std::exp(-z * z);
-    const double by_offset = -slope / (std::sqrt(2.0) * p[5]);
-    by_p << by_offset, by_offset * q.t, by_offset * q.t * q.t, 1.0, step, -slope * z / p[5];
-    return p[3] + p[4] * step;
-  }
-};
-
-Vector6d start(const Side& side, const std::vector<Sample>& samples) {
+Step start(const Side& side, const Samples& samples) {
   double inner = 0.0, outer = 0.0;
   int inner_count = 0, outer_count = 0;
-  for (const Sample& q : samples) {
-    const bool is_outer = q.s > side.at(q.t);
-    (is_outer ? outer : inner) += q.grey;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const bool is_outer = samples.s[i] > side.at(samples.t[i]);
+    (is_outer ? outer : inner) += samples.grey[i];
     ++(is_outer ? outer_count : inner_count);
   }
   inner /= std::max(1, inner_count);
   outer /= std::max(1, outer_count);
-  Vector6d p;
+  Step p;
   p << side.offset, 0.5 * (inner + outer), 0.5 * (outer - inner), 0.8;
   return p;
 }
 
+constexpr int kChunk = 128;
+constexpr int kRows = 7;  // six derivatives, the residual
+
+/// Derivatives of the step's grey levels and residuals of n samples; zero from `count` on.
+SEATER_VECTOR_CLONES void compare(const float* t, const float* s, const float* grey, int count, int n, const float* p,
+                                  float (*__restrict rows)[kChunk]) {
+  const float inverse = 1.0F / p[5];
+  for (int i = 0; i < n; ++i) {
+    const float used = i < count ? 1.0F : 0.0F, ti = t[i];
+    const float h = (s[i] - (p[0] + ti * (p[1] + ti * p[2]))) * inverse;
+    const NormalValue normal = normalAt(h);
+    const float step = 2.0F * normal.distribution - 1.0F, slope = 2.0F * normal.density * p[4] * inverse;
+    rows[0][i] = -used * slope;
+    rows[1][i] = -used * slope * ti;
+    rows[2][i] = -used * slope * ti * ti;
+    rows[3][i] = used;
+    rows[4][i] = used * step;
+    rows[5][i] = -used * slope * h;
+    rows[6][i] = used * (grey[i] - (p[3] + p[4] * step));
+  }
+}
+
+/// Normal equations of the step at p; the residuals' squares are the last diagonal element.
+Eigen::Matrix<double, kRows, kRows> equations(Samples& samples, const Step& step) {
+  float p[6];
+  for (int k = 0; k < 6; ++k) p[k] = static_cast<float>(step[k]);
+  double sum[kRows][kRows] = {};
+  const int count = static_cast<int>(samples.size()), padded = (count + kChunk - 1) / kChunk * kChunk;
+  for (auto* values : {&samples.t, &samples.s, &samples.grey}) values->resize(static_cast<std::size_t>(padded));
+  alignas(64) float rows[kRows][kChunk];
+  for (int first = 0; first < count; first += kChunk) {
+    compare(samples.t.data() + first, samples.s.data() + first, samples.grey.data() + first,
+            std::min(kChunk, count - first), kChunk, p, rows);
+    addColumnProducts(rows[0], kChunk, kChunk, kRows, sum[0], kRows);
+  }
+  for (auto* values : {&samples.t, &samples.s, &samples.grey}) values->resize(static_cast<std::size_t>(count));
+  Eigen::Matrix<double, kRows, kRows> result;
+  for (int i = 0; i < kRows; ++i) {
+    for (int j = i; j < kRows; ++j) result(i, j) = result(j, i) = sum[i][j];
+  }
+  return result;
+}
+
 /// One Gauss-Newton fit of the step to the samples; false when it does not look like an edge.
-bool fitStep(const std::vector<Sample>& samples, bool bent, double band, Step& step) {
+bool fitStep(Samples& samples, bool bent, double band, Step& step) {
   double residual = 0.0;
   for (int i = 0; i < kSteps; ++i) {
-    Matrix6d A = Matrix6d::Zero();
-    Vector6d g = Vector6d::Zero(), by_p;
-    residual = 0.0;
-    for (const Sample& q : samples) {
-      const double r = q.grey - step.value(q, by_p);
-      A += by_p * by_p.transpose();
-      g += by_p * r;
-      residual += r * r;
-    }
+    const auto all = equations(samples, step);
+    Matrix6d A = all.topLeftCorner<6, 6>();
+    Vector6d g = all.topRightCorner<6, 1>();
+    residual = all(6, 6);
     if (!bent) {
       A.row(2).setZero();
       A.col(2).setZero();
@@ -131,11 +181,11 @@ bool fitStep(const std::vector<Sample>& samples, bool bent, double band, Step& s
     if (!change.allFinite()) return false;
     const double largest = change.head<3>().cwiseAbs().maxCoeff();
     if (largest > 0.5 * band) change *= 0.5 * band / largest;
-    step.p += change;
-    step.p[5] = std::clamp(step.p[5], 0.2, band);
+    step += change;
+    step[5] = std::clamp(step[5], 0.2, band);
     if (largest < kDone) break;
   }
-  const double contrast = 2.0 * step.p[4];
+  const double contrast = 2.0 * step[4];
   return contrast > kSmallestContrast &&
          std::sqrt(residual / static_cast<double>(samples.size())) < kLargestResidual * contrast;
 }
@@ -143,16 +193,17 @@ bool fitStep(const std::vector<Sample>& samples, bool bent, double band, Step& s
 bool fitSide(const cv::Mat& grey, double band, Side& side) {
   if (2.0 * side.half < kShortestFit) return false;
   const bool bent = 2.0 * side.half > kBentFrom;
-  std::vector<Sample> samples;
+  Samples samples;
   Step step;
   // The band follows the edge: one that is centred on it leaves out as much on the dark as on the light side.
   for (int round = 0; round < 3; ++round) {
     if (!collect(grey, side, band, samples)) return false;
-    if (round == 0) step.p = start(side, samples);
+    if (round == 0) step = start(side, samples);
     if (!fitStep(samples, bent, band, step)) return false;
-    const Eigen::Vector3d moved = step.p.head<3>() - side.offset;
-    side.offset = step.p.head<3>();
+    const Eigen::Vector3d moved = step.head<3>() - side.offset;
+    side.offset = step.head<3>();
     if (side.offset.cwiseAbs().maxCoeff() > 3.0 * band + 1.0) return false;
+    side.width = step[5];
     if (moved.cwiseAbs().maxCoeff() < 0.02) break;
   }
   return true;
@@ -176,21 +227,23 @@ std::optional<Eigen::Vector2d> meet(const Side& side, const Side& next) {
 
 }  // namespace
 
-std::optional<std::array<Eigen::Vector2d, 4>> fitEdges(const cv::Mat& grey,
-                                                       const std::array<Eigen::Vector2d, 4>& corners,
-                                                       double half_band) {
+std::optional<FittedEdges> fitEdges(const cv::Mat& grey, const std::array<Eigen::Vector2d, 4>& corners,
+                                    double half_band) {
   const Eigen::Vector2d inside = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
   std::array<Side, 4> sides;  // side i: from corner i to corner i + 1
   for (std::size_t i = 0; i < 4; ++i) {
     sides[i] = between(corners[i], corners[(i + 1) % 4], inside);
     if (!fitSide(grey, half_band, sides[i])) return std::nullopt;
   }
-  std::array<Eigen::Vector2d, 4> result;
+  FittedEdges result;
+  double variance = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
     const auto corner = meet(sides[(i + 3) % 4], sides[i]);
     if (!corner || (*corner - corners[i]).norm() > half_band) return std::nullopt;
-    result[i] = *corner;
+    result.corners[i] = *corner;
+    variance += 0.25 * sides[i].width * sides[i].width;
   }
+  result.blur_sd = std::sqrt(std::max(kSmallestBlur * kSmallestBlur, variance - 1.0 / 12.0));
   return result;
 }
 

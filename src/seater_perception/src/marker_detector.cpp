@@ -9,9 +9,14 @@
 #include "seater_perception/dock_layout.h"
 #include "seater_perception/edge_fit.h"
 #include "seater_perception/image_checks.h"
+#include "seater_perception/pattern_reader.h"
+#include "seater_perception/quad_search.h"
 
 namespace seater_perception {
 namespace {
+
+constexpr double kSmallestForCorners = 4.0;  // [px] smaller cells are left to the code's own match
+constexpr int kSmallestRegion = 12;          // [px]
 
 /// Half window of the refinement [px]: a fixed part of the marker's shortest cell.
 int cornerWindow(const MarkerCorners& marker, int cells, const DetectorParameters& parameters) {
@@ -69,20 +74,16 @@ Eigen::Vector2d MarkerCorners::centre() const {
 struct MarkerDetector::Implementation {
   cv::Ptr<cv::aruco::Dictionary> dictionary;
   DetectorParameters parameters;
+  PatternReader reader;
+  std::set<int> ids;
+
+  std::vector<MarkerCorners> byOpenCv(const cv::Mat& grey) const;
+  std::vector<MarkerCorners> byOwnSearch(const PictureLevels& picture, const cv::Rect& region) const;
+  void refine(const cv::Mat& grey, MarkerCorners& marker) const;
 };
 
-MarkerDetector::MarkerDetector(const std::string& dictionary, const DetectorParameters& parameters)
-    : implementation_(std::make_unique<Implementation>()) {
-  implementation_->dictionary = cv::aruco::getPredefinedDictionary(dictionaryNumber(dictionary, "dictionary"));
-  implementation_->parameters = parameters;
-}
-
-MarkerDetector::~MarkerDetector() = default;
-MarkerDetector::MarkerDetector(MarkerDetector&&) noexcept = default;
-
-std::vector<MarkerCorners> MarkerDetector::detect(const cv::Mat& grey) const {
-  checkPicture(grey);
-  const DetectorParameters& p = implementation_->parameters;
+std::vector<MarkerCorners> MarkerDetector::Implementation::byOpenCv(const cv::Mat& grey) const {
+  const DetectorParameters& p = parameters;
   const auto settings = cv::aruco::DetectorParameters::create();
   settings->adaptiveThreshWinSizeMin = p.threshold_window_min;
   settings->adaptiveThreshWinSizeMax = p.threshold_window_max;
@@ -93,28 +94,101 @@ std::vector<MarkerCorners> MarkerDetector::detect(const cv::Mat& grey) const {
   settings->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
 
   std::vector<std::vector<cv::Point2f>> outlines;
-  std::vector<int> ids;
-  cv::aruco::detectMarkers(grey, implementation_->dictionary, outlines, ids, settings);
+  std::vector<int> found;
+  cv::aruco::detectMarkers(grey, dictionary, outlines, found, settings);
 
-  std::vector<MarkerCorners> found;
-  for (std::size_t i = 0; i < ids.size(); ++i) {
+  std::vector<MarkerCorners> markers;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (!ids.empty() && !ids.count(found[i])) continue;
     MarkerCorners marker;
-    marker.id = ids[i];
+    marker.id = found[i];
     for (std::size_t k = 0; k < 4; ++k) marker.corners[k] = Eigen::Vector2d(outlines[i][k].x, outlines[i][k].y);
-    found.push_back(marker);
+    markers.push_back(marker);
   }
-  std::vector<MarkerCorners> unique = uniqueMarkers(found);
-  const int cells = implementation_->dictionary->markerSize + 2;
-  for (MarkerCorners& marker : unique) {
-    refineCorners(grey, cornerWindow(marker, cells, p), marker);
-    if (!p.edge_fit) continue;
+  return markers;
+}
+
+std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const PictureLevels& picture,
+                                                                       const cv::Rect& region) const {
+  QuadSearch search;
+  search.window = parameters.search_window | 1;
+  search.constant = parameters.search_constant;
+  search.min_side = parameters.min_side;
+  std::vector<MarkerCorners> markers;
+  for (Quad quad : findQuads(picture.grey()(region), search)) {
+    for (auto& corner : quad) corner += Eigen::Vector2d(region.x, region.y);
+    const auto reading = reader.read(picture, quad, parameters.min_correlation);
+    if (!reading) continue;
+    MarkerCorners marker;
+    marker.id = reading->id;
+    marker.corners = reading->corners;
+    if (marker.side() >= parameters.min_side) markers.push_back(marker);
+  }
+  return markers;
+}
+
+void MarkerDetector::Implementation::refine(const cv::Mat& grey, MarkerCorners& marker) const {
+  const DetectorParameters& p = parameters;
+  const int cells = dictionary->markerSize + 2;
+  const bool own = p.search == "own";
+  // OpenCV's outlines follow the steps of pixels; the own search has already matched the code.
+  if (!own) refineCorners(grey, cornerWindow(marker, cells, p), marker);
+  if (p.edge_fit) {
     const double band = std::clamp(p.edge_band * marker.minSide() / cells, p.edge_band_min, p.edge_band_max);
-    if (const auto corners = fitEdges(grey, marker.corners, band)) {
-      marker.corners = *corners;
+    if (const auto edges = fitEdges(grey, marker.corners, band)) {
+      marker.corners = edges->corners;
       marker.edges_fitted = true;
+      marker.blur_sd = edges->blur_sd;
+      return;
     }
   }
+  if (own && marker.minSide() > kSmallestForCorners * cells)
+    refineCorners(grey, cornerWindow(marker, cells, p), marker);
+}
+
+MarkerDetector::MarkerDetector(const std::string& dictionary, const DetectorParameters& parameters,
+                               const std::set<int>& ids)
+    : implementation_(new Implementation{cv::aruco::getPredefinedDictionary(dictionaryNumber(dictionary, "dictionary")),
+                                         parameters, PatternReader(dictionary, ids), ids}) {}
+
+MarkerDetector::~MarkerDetector() = default;
+MarkerDetector::MarkerDetector(MarkerDetector&&) noexcept = default;
+
+std::vector<MarkerCorners> MarkerDetector::detect(const cv::Mat& grey) const {
+  checkPicture(grey);
+  const bool own = implementation_->parameters.search == "own";
+  const cv::Rect all(0, 0, grey.cols, grey.rows);
+  std::vector<MarkerCorners> unique =
+      uniqueMarkers(own ? implementation_->byOwnSearch(PictureLevels(grey), all) : implementation_->byOpenCv(grey));
+  for (MarkerCorners& marker : unique) implementation_->refine(grey, marker);
   return unique;
+}
+
+std::optional<MarkerCorners> MarkerDetector::follow(const cv::Mat& grey, int id,
+                                                    const std::array<Eigen::Vector2d, 4>& predicted, double reach,
+                                                    double min_correlation) const {
+  checkPicture(grey);
+  Eigen::Vector2d low = predicted[0], high = predicted[0];
+  for (const auto& corner : predicted) low = low.cwiseMin(corner), high = high.cwiseMax(corner);
+  const double margin = reach + 0.2 * (high - low).maxCoeff() + 3.0;  // the quiet zone and the smoothing too
+  const auto whole = [](double x, double limit) { return static_cast<int>(std::clamp(x, 0.0, limit)); };
+  const cv::Point first(whole(low.x() - margin, grey.cols), whole(low.y() - margin, grey.rows));
+  const cv::Point last(whole(high.x() + margin + 1.0, grey.cols), whole(high.y() + margin + 1.0, grey.rows));
+  const cv::Rect region(first, last);
+  if (region.width < kSmallestRegion || region.height < kSmallestRegion) return std::nullopt;
+  const PictureLevels picture(grey);
+  for (MarkerCorners& marker : uniqueMarkers(implementation_->byOwnSearch(picture, region))) {
+    if (marker.id != id) continue;
+    implementation_->refine(grey, marker);
+    return marker;
+  }
+  const auto reading = implementation_->reader.follow(id, picture, predicted, reach, min_correlation);
+  if (!reading) return std::nullopt;
+  MarkerCorners marker;
+  marker.id = id;
+  marker.corners = reading->corners;
+  implementation_->refine(grey, marker);
+  return marker;
 }
 
 }  // namespace seater_perception

@@ -1,7 +1,6 @@
 #include "seater_perception/marker_pose.h"
 
 #include <algorithm>
-#include <opencv2/calib3d.hpp>
 
 #include "seater_perception/dock_layout.h"
 
@@ -16,27 +15,6 @@ std::optional<Correspondences> markerCorrespondences(const CameraModel& camera, 
     if (!points.add(corners[i], marker.corners[i], sigma, camera)) return std::nullopt;
   }
   return points;
-}
-
-std::vector<Eigen::Isometry3d> squareSolutions(const Correspondences& corners) {
-  std::vector<cv::Point3d> object;
-  std::vector<cv::Point2d> seen;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    object.emplace_back(corners.object[i].x(), corners.object[i].y(), corners.object[i].z());
-    seen.emplace_back(corners.normalised[i].x(), corners.normalised[i].y());
-  }
-  std::vector<cv::Mat> rotations, translations;
-  cv::solvePnPGeneric(object, seen, cv::Matx33d::eye(), cv::noArray(), rotations, translations, false,
-                      cv::SOLVEPNP_IPPE_SQUARE);
-  std::vector<Eigen::Isometry3d> solutions;
-  for (std::size_t i = 0; i < rotations.size(); ++i) {
-    const Eigen::Vector3d r(rotations[i].at<double>(0), rotations[i].at<double>(1), rotations[i].at<double>(2));
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    if (r.norm() > 0.0) pose.linear() = Eigen::AngleAxisd(r.norm(), r.normalized()).toRotationMatrix();
-    for (int k = 0; k < 3; ++k) pose.translation()[k] = translations[i].at<double>(k);
-    if (pose.matrix().allFinite()) solutions.push_back(pose);
-  }
-  return solutions;
 }
 
 std::optional<DetectedMarker> estimateMarker(const CameraModel& camera, const MarkerCorners& marker, double size,

@@ -7,25 +7,17 @@
 
 #include "seater_perception/dock_layout.h"
 #include "seater_perception/errors.h"
-#include "seater_perception/photometric_fit.h"
+#include "seed_fit.h"
 
 namespace seater_perception {
 namespace {
 
-constexpr double kQuantisation = 0.29;  // [grey levels] standard deviation of rounding
-constexpr double kFineMargin = 0.3;     // [px] the approach ends nearer than this
-constexpr int kFewestEdgePixels = 40;
-constexpr int kRounds = 4;  // of collecting pixels: the approach, then again while a marker leaves its band
-constexpr double kCoarseDone = 0.05, kFineDone = 1e-3;  // squared length of a last step in standard deviations
-constexpr int kSettled = 5;                             // steps, after which the scale stands still
-constexpr double kSettledTolerance = 5.0;               // of kFineDone or kCoarseDone from then on
-constexpr int kShrinkings = 8, kShrinkBudget = 5;
-constexpr double kSuspicious = 1.3;  // residuals at edges over those of flat pixels: more is not noise alone
-constexpr double kShrink = 0.6, kShrinkTukey = 4.0;
-constexpr double kLargestScale = 3.0;  // over the noise of flat pixels: what a wrong form of blur may add at edges
-constexpr double kWildScale = 1e4;     // of the first look, when nothing is known of the residuals
+constexpr double kFineMargin = 0.25;  // [px] the approach ends nearer than this
+constexpr int kSparse = 1000;         // pixels of an approach
+constexpr int kRounds = 4;            // of collecting pixels: the approach, then again while a marker leaves its band
 
 using Blur = PhotometricProblem::Blur;
+using Placements = std::vector<PatternPlacement>;
 
 Blur blurOf(const std::string& name) {
   if (name == "given") return Blur::given;
@@ -34,135 +26,9 @@ Blur blurOf(const std::string& name) {
   throw ConfigurationError("photometric/blur: is '" + name + "', must be given, estimated or directed");
 }
 
-/// One seed on its way.
-struct Fit {
-  PhotometricState state;
-  PhotometricResult result;
-  double scale = kWildScale;
-  double largest_scale = kWildScale;  // of the loss in the end; known after the approach
-  int budget = 0;
-  bool failed = false;
-
-  void fail(const std::string& why) {
-    failed = true;
-    result.failure = why;
-  }
-};
-
-/// Levenberg-Marquardt; true when the last step was shorter than `done`.
-bool descend(PhotometricProblem& problem, Fit& fit, RobustLoss loss, double tukey, double done, bool adapt = true) {
-  const int stride = 1;
-  if (!problem.evaluate(fit.state, fit.scale, loss, tukey, stride)) return false;
-  ++fit.result.iterations;
-  double damping = 0.0;
-  int accepted = adapt ? 0 : kSettled;
-  while (fit.budget > 0) {
-    double length = 0.0;
-    const bool settled = accepted >= kSettled;
-    const double stretch = damping > 0.0 || settled ? 1.0 : problem.stretch(fit.scale, loss, tukey);
-    const auto next = problem.step(fit.state, damping, stretch, length);
-    if (next && length < (settled ? kSettledTolerance : 1.0) * done * fit.scale * fit.scale) {
-      fit.state = *next;
-      return true;
-    }
-    --fit.budget;
-    const double before = problem.cost(fit.scale, loss, tukey);
-    bool better = false;
-    if (next) {
-      ++fit.result.iterations;
-      better =
-          problem.evaluate(*next, fit.scale, loss, tukey, stride) && problem.cost(fit.scale, loss, tukey) <= before;
-    }
-    if (better) {
-      fit.state = *next;
-      damping = damping < 1e-4 ? 0.0 : 0.1 * damping;
-      // With a scale that goes on changing, outliers near its limit could keep the fit from ever ending.
-      if (++accepted < kSettled) fit.scale = std::clamp(problem.spread(0.5), kQuantisation, fit.largest_scale);
-    } else {
-      damping = std::max(1e-3, 10.0 * damping);
-      if (damping > 1e8) return true;  // no step helps: this is the minimum to within rounding
-      if (!problem.evaluate(fit.state, fit.scale, loss, tukey, stride)) return false;
-    }
-  }
-  return false;
-}
-
-/// Comes near, with few pixels and Huber's convex loss.
-void approach(PhotometricProblem& problem, const PhotometricParameters& parameters, Fit& fit) {
-  if (problem.edgePixels() < kFewestEdgePixels) return fit.fail("too few pixels in the picture");
-  problem.startBrightness(fit.state);
-  fit.budget = parameters.max_iterations;
-  // What the residuals are like is not known before the first look.
-  if (!problem.evaluate(fit.state, kWildScale, RobustLoss::huber, parameters.tukey, 1))
-    return fit.fail("impossible pose");
-  fit.scale = std::max(kQuantisation, problem.spread(0.5));
-  descend(problem, fit, RobustLoss::huber, parameters.tukey, kCoarseDone);
-  // Where a part is covered, Huber's minimum lies aside and the residuals at the edges are larger than those of flat
-  // pixels. The scale goes down to the latter by and by, so that what is covered is forgotten before what is only
-  // displaced.
-  const double flat = problem.flatNoise(), noise = std::max(kQuantisation, flat > 0.0 ? flat : problem.spread(0.25));
-  for (int i = 0; i < kShrinkings && fit.scale > kSuspicious * noise; ++i) {
-    fit.scale = std::max(noise, kShrink * fit.scale);
-    fit.budget = kShrinkBudget;
-    descend(problem, fit, RobustLoss::tukey, kShrinkTukey, kCoarseDone, false);
-  }
-  fit.budget = parameters.max_iterations;
-}
-
-/// Ends there, with all pixels and Tukey's loss, which forgets outliers.
-void finish(PhotometricProblem& problem, const PhotometricParameters& parameters, Fit& fit) {
-  if (problem.edgePixels() < kFewestEdgePixels) return fit.fail("too few pixels in the picture");
-  // A fit that is caught aside sees large residuals at all edges; they must not pass for noise.
-  const double noise = problem.flatNoise();
-  if (noise > 0.0) fit.largest_scale = kLargestScale * std::max(kQuantisation, noise);
-  fit.scale = std::min(fit.scale, fit.largest_scale);
-  if (!descend(problem, fit, RobustLoss::tukey, parameters.tukey, kFineDone)) fit.fail("no convergence");
-}
-
-/// Noise, score and covariance from the residuals of the last evaluation. Covariance of an M-estimator: Huber, "Robust
-/// Statistics", 1981, chapter 7: mean(psi^2) / mean(psi')^2 (J^T J)^-1.
-void judge(const PhotometricProblem& problem, const PhotometricParameters& parameters, Fit& fit) {
-  const double c = parameters.tukey, c2 = c * c;
-  double inliers = 0.0, all = 0.0, squares = 0.0, weighted = 0.0, psi2 = 0.0, slope = 0.0, weights = 0.0;
-  for (const double r : problem.residuals()) {
-    if (std::isnan(r)) continue;
-    all += 1.0;
-    squares += r * r;
-    const double u2 = r * r / (c2 * fit.scale * fit.scale);
-    if (u2 >= 1.0) continue;
-    const double w = (1.0 - u2) * (1.0 - u2);
-    inliers += 1.0;
-    weights += w;
-    weighted += w * r * r;
-    psi2 += w * w * r * r;
-    slope += (1.0 - u2) * (1.0 - 5.0 * u2);
-  }
-  PhotometricResult& result = fit.result;
-  result.pixels = static_cast<int>(all);
-  const double freedom = inliers - problem.unknowns();
-  if (!(freedom > kFewestEdgePixels)) return fit.fail("too few inliers");
-  result.inlier_share = inliers / all;
-  result.rms = std::sqrt(squares / all);
-  // Weighting takes away from the variance of normal noise: E[w r^2] = sigma^2 (1 - 6 / c^2 + 15 / c^4).
-  const double floor = kQuantisation * kQuantisation;
-  result.noise_sd = std::sqrt(std::max(floor, weighted / freedom / (1.0 - 6.0 / c2 + 15.0 / (c2 * c2))));
-  result.cost = problem.cost(result.noise_sd, RobustLoss::tukey, c);
-  result.reduced_chi_square = 1.0;
-  if (parameters.noise_sd > 0.0) {
-    const double sd = parameters.noise_sd, expected = 0.5 * (1.0 - 3.0 / c2 + 5.0 / (c2 * c2));
-    result.reduced_chi_square =
-        problem.cost(sd, RobustLoss::tukey, c) / (expected * (all - problem.unknowns()) * sd * sd);
-  }
-  const auto inverse = problem.inversePoseInformation();
-  if (!inverse) return fit.fail("degenerate picture");
-  const double mean_slope = std::max(0.1, slope / inliers);
-  const double variance = std::max(floor, psi2 / freedom) / (mean_slope * mean_slope);
-  result.covariance = variance * weights / inliers * *inverse;
-}
-
 /// Largest movement of a marker's corner in the picture [px], and in sides of the marker; infinite when behind the
 /// camera.
-double movement(const CameraModel& camera, const std::vector<PatternPlacement>& placements, const Eigen::Isometry3d& a,
+double movement(const CameraModel& camera, const Placements& placements, const Eigen::Isometry3d& a,
                 const Eigen::Isometry3d& b, double& sides) {
   double largest = 0.0;
   sides = 0.0;
@@ -184,8 +50,8 @@ double movement(const CameraModel& camera, const std::vector<PatternPlacement>& 
 }
 
 /// Fills in the rest of the result, or takes everything back when it cannot be relied on.
-void conclude(const CameraModel& camera, const std::vector<PatternPlacement>& placements,
-              const PhotometricParameters& parameters, const Eigen::Isometry3d& seed, Fit& fit) {
+void conclude(const CameraModel& camera, const Placements& placements, const PhotometricParameters& parameters,
+              const Eigen::Isometry3d& seed, SeedFit& fit) {
   PhotometricResult& result = fit.result;
   double sides = 0.0;
   movement(camera, placements, seed, fit.state.pose, sides);
@@ -197,19 +63,17 @@ void conclude(const CameraModel& camera, const std::vector<PatternPlacement>& pl
   const SpreadCovariance& s = fit.state.blur;
   const double mean = 0.5 * (s.uu + s.vv), half = std::hypot(0.5 * (s.uu - s.vv), s.uv), area = areaVariance(1);
   result.blur_sd = std::sqrt(std::sqrt(std::max(0.0, mean + half) * std::max(0.0, mean - half)));
-  result.blur_elongation = std::sqrt((mean + half + area) / (mean - half + area));
+  result.blur_elongation = std::sqrt((mean + half + area) / std::max(1e-3, mean - half + area));
   const bool finite = fit.state.pose.matrix().allFinite() && result.covariance.allFinite() &&
                       std::isfinite(result.noise_sd + result.blur_sd + result.blur_elongation);
   if (!fit.failed && !finite) fit.fail("not finite");
   if (fit.failed) {
-    const PhotometricResult nothing;
-    const std::string why = result.failure;
-    const int iterations = result.iterations;
+    PhotometricResult nothing;
+    nothing.failure = result.failure;
+    nothing.iterations = result.iterations;
+    nothing.pose = seed;
+    nothing.brightness.assign(placements.size(), {});
     result = nothing;
-    result.failure = why;
-    result.iterations = iterations;
-    result.pose = seed;
-    result.brightness.assign(placements.size(), {});
     return;
   }
   result.converged = true;
@@ -230,31 +94,65 @@ double blurSd(const PhotometricState& state) {
   return std::sqrt(std::max(0.0, 0.5 * (state.blur.uu + state.blur.vv)));
 }
 
-/// Pixels of all markers, the same for all fits; returns the widest blur of the fits, for which they are meant [px].
-double collectAll(const PhotometricParameters& parameters, const cv::Mat& grey, const CameraModel& camera,
-                  const std::vector<PatternPlacement>& placements, const std::vector<Fit>& fits, double margin,
-                  bool sparse, std::vector<MarkerSamples>& samples) {
-  double blur = 0.0;
-  for (const Fit& fit : fits) blur = std::max(blur, fit.failed ? 0.0 : blurSd(fit.state));
-  for (std::size_t m = 0; m < placements.size(); ++m) {
-    std::vector<Eigen::Isometry3d> poses;
-    for (const Fit& fit : fits) {
-      if (!fit.failed) poses.push_back(fit.state.pose * placements[m].T_object_marker);
+}  // namespace
+
+struct PhotometricRefiner::Workspace {
+  SampleCollector collector;
+  PhotometricProblem problem;
+  std::vector<MarkerSamples> samples;
+
+  /// Pixels of all markers, the same for all fits; returns the widest blur of the fits, for which they are meant [px].
+  double collectAll(const PhotometricParameters& parameters, const cv::Mat& grey, const CameraModel& camera,
+                    const Placements& placements, const std::vector<SeedFit>& fits, double margin, int most) {
+    double blur = 0.0, sides = 0.0, apart = 0.0;
+    const SeedFit* first = nullptr;
+    for (const SeedFit& fit : fits) {
+      if (fit.failed) continue;
+      if (!first) first = &fit;
+      blur = std::max(blur, blurSd(fit.state));
+      apart = std::max(apart, movement(camera, placements, first->state.pose, fit.state.pose, sides));
     }
-    samples[m] = MarkerSamples();
-    if (!poses.empty())
-      samples[m] = collectSamples(grey, camera, placements[m], poses, blur, margin, sparse, parameters);
+    if (samples.size() < placements.size()) samples.resize(placements.size());
+    samples.resize(placements.size());
+    for (std::size_t m = 0; m < placements.size(); ++m) {
+      samples[m].clear();
+      if (first) {
+        collector.collect(grey, camera, placements[m], first->state.pose * placements[m].T_object_marker, blur,
+                          margin + apart, most, parameters, samples[m]);
+      }
+    }
+    return blur;
   }
-  return blur;
-}
+
+  /// All fits from where they are to their minima; those that cannot win end at the first look.
+  void finishAll(std::vector<SeedFit>& fits, bool begin) {
+    const SeedFit* best = nullptr;
+    for (SeedFit& fit : fits) {
+      if (fit.failed) continue;
+      if (begin) fit.start(problem);
+      if (!fit.failed) fit.firstLook(problem);
+      if (!fit.failed && best && fit.clearlyWorseThan(*best)) fit.fail("clearly worse than another seed's");
+      if (!fit.failed && best && fit.sameAs(*best, problem)) fit.fail("same as another seed's");
+      if (!fit.failed) fit.finish(problem);
+      if (!fit.failed && !best) best = &fit;
+    }
+  }
+
+  std::vector<SeedFit> fitAll(const PhotometricParameters& parameters, const cv::Mat& grey, const CameraModel& camera,
+                              const Placements& placements, const std::vector<Eigen::Isometry3d>& seeds,
+                              double known_blur);
+};
 
 /// All seeds on the same pixels.
-std::vector<Fit> refineAllSeeds(const PhotometricParameters& parameters, const cv::Mat& grey, const CameraModel& camera,
-                                const std::vector<PatternPlacement>& placements,
-                                const std::vector<Eigen::Isometry3d>& seeds) {
+std::vector<SeedFit> PhotometricRefiner::Workspace::fitAll(const PhotometricParameters& parameters, const cv::Mat& grey,
+                                                           const CameraModel& camera, const Placements& placements,
+                                                           const std::vector<Eigen::Isometry3d>& seeds,
+                                                           double known_blur) {
   requirePicture(grey, camera);
-  const double sd = parameters.blur_sd;
-  std::vector<Fit> fits(seeds.size());
+  const bool near = known_blur > 0.0;
+  const double sd = near && parameters.blur != "given" ? known_blur : parameters.blur_sd;
+  const double limit = parameters.saturation > 0.0 ? parameters.saturation : grey.depth() == CV_16U ? 65535.0 : 255.0;
+  std::vector<SeedFit> fits(seeds.size(), SeedFit(parameters, {0.0, limit}));
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     fits[i].state.pose = seeds[i];
     fits[i].state.blur = {sd * sd, 0.0, sd * sd};
@@ -262,23 +160,25 @@ std::vector<Fit> refineAllSeeds(const PhotometricParameters& parameters, const c
     movement(camera, placements, seeds[i], seeds[i], sides);
     if (!seeds[i].matrix().allFinite() || !std::isfinite(sides)) fits[i].fail("impossible seed");
   }
-  const double limit = parameters.saturation > 0.0 ? parameters.saturation : grey.depth() == CV_16U ? 65535.0 : 255.0;
-  std::vector<MarkerSamples> samples(placements.size());
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = near ? 1 : 0; round < kRounds; ++round) {
     const bool first = round == 0;
     const double margin = first ? parameters.margin : kFineMargin;
-    const double blur = collectAll(parameters, grey, camera, placements, fits, margin, first, samples);
-    PhotometricProblem problem(placements, samples, blurOf(parameters.blur), parameters.illumination_slope && !first,
-                               {0.0, limit});
+    const int most = first ? std::min(kSparse, parameters.max_pixels) : parameters.max_pixels;
+    const double blur = collectAll(parameters, grey, camera, placements, fits, margin, most);
+    problem.set(camera, placements, samples, blurOf(parameters.blur), parameters.illumination_slope && !first);
+    std::vector<Eigen::Isometry3d> before;
+    for (SeedFit& fit : fits) {
+      before.push_back(fit.state.pose);
+      if (first && !fit.failed) fit.approach(problem);
+    }
+    if (!first) finishAll(fits, near && round == 1);
     bool again = first;
-    for (Fit& fit : fits) {
-      if (fit.failed) continue;
-      const Eigen::Isometry3d before = fit.state.pose;
-      first ? approach(problem, parameters, fit) : finish(problem, parameters, fit);
-      if (!first && !fit.failed) judge(problem, parameters, fit);
+    for (std::size_t i = 0; i < fits.size(); ++i) {
+      if (fits[i].failed) continue;
       double sides = 0.0;
-      const double moved = movement(camera, placements, before, fit.state.pose, sides), now = blurSd(fit.state);
-      again |= !fit.failed && (moved > margin || raysPerPixel(now) != raysPerPixel(blur) || now > 1.2 * blur + 0.1);
+      const double moved = movement(camera, placements, before[i], fits[i].state.pose, sides),
+                   now = blurSd(fits[i].state);
+      again |= moved > margin || raysPerPixel(now) != raysPerPixel(blur) || now > 1.2 * blur + 0.1;
     }
     if (!again) break;
   }
@@ -286,25 +186,26 @@ std::vector<Fit> refineAllSeeds(const PhotometricParameters& parameters, const c
   return fits;
 }
 
-}  // namespace
-
-PhotometricRefiner::PhotometricRefiner(const PhotometricParameters& parameters) : parameters_(parameters) {
+PhotometricRefiner::PhotometricRefiner(const PhotometricParameters& parameters)
+    : parameters_(parameters), workspace_(std::make_unique<Workspace>()) {
   blurOf(parameters.blur);
 }
 
+PhotometricRefiner::~PhotometricRefiner() = default;
+PhotometricRefiner::PhotometricRefiner(PhotometricRefiner&&) noexcept = default;
+
 PhotometricResult PhotometricRefiner::refine(const cv::Mat& grey, const CameraModel& camera,
-                                             const std::vector<PatternPlacement>& placements,
-                                             const Eigen::Isometry3d& initial) const {
-  return refineAllSeeds(parameters_, grey, camera, placements, {initial}).front().result;
+                                             const Placements& placements, const Eigen::Isometry3d& initial) const {
+  return workspace_->fitAll(parameters_, grey, camera, placements, {initial}, 0.0).front().result;
 }
 
-std::vector<PhotometricBranch> refineBranches(const PhotometricRefiner& refiner, const cv::Mat& grey,
-                                              const CameraModel& camera,
-                                              const std::vector<PatternPlacement>& placements,
-                                              const std::vector<Eigen::Isometry3d>& seeds) {
+std::vector<PhotometricBranch> PhotometricRefiner::refineBranches(const cv::Mat& grey, const CameraModel& camera,
+                                                                  const Placements& placements,
+                                                                  const std::vector<Eigen::Isometry3d>& seeds,
+                                                                  double known_blur) const {
   std::vector<PhotometricBranch> branches;
   double sd = std::numeric_limits<double>::infinity();
-  for (const Fit& fit : refineAllSeeds(refiner.parameters(), grey, camera, placements, seeds)) {
+  for (const SeedFit& fit : workspace_->fitAll(parameters_, grey, camera, placements, seeds, known_blur)) {
     branches.push_back({fit.result, 0.0, 0.0});
     if (fit.result.converged) sd = std::min(sd, fit.result.noise_sd);
   }

@@ -10,7 +10,6 @@ namespace {
 constexpr double kReach = 4.2;  // [standard deviations] beyond it a cell border is not felt: 1e-5
 constexpr int kMaxLines = 6;    // borders within reach along one axis; more only if the blur is wider than a cell
 constexpr double kNoCorrelation = 1e-5;
-constexpr double kMaxCorrelation = 0.95;
 constexpr int kTableSteps = 64;  // per standard deviation
 constexpr int kTableReach = 5;
 
@@ -135,71 +134,6 @@ PatternResponse smoothedPattern(const MarkerPattern& pattern, double x, double y
   out.by_y *= rows.scale;
   out.flat = false;
   return out;
-}
-
-MarkerPlane::MarkerPlane(const Eigen::Isometry3d& pose)
-    : r1_(pose.linear().col(0)), r2_(pose.linear().col(1)), r3_(pose.linear().col(2)) {
-  t1_ = r1_.dot(pose.translation());
-  t2_ = r2_.dot(pose.translation());
-  t3_ = r3_.dot(pose.translation());
-  inverse_t3_ = 1.0 / t3_;
-}
-
-bool MarkerPlane::hit(const PixelRay& ray, const SpreadCovariance& spread, MarkerHit& hit) const {
-  const double along = r3_.x() * ray.x + r3_.y() * ray.y + r3_.z();
-  const double inverse = 1.0 / along, depth = t3_ * inverse;
-  if (!(depth > 1e-6 && depth < 1e6)) return false;
-  hit.alpha = (r1_.x() * ray.x + r1_.y() * ray.y + r1_.z()) * inverse;
-  hit.beta = (r2_.x() * ray.x + r2_.y() * ray.y + r2_.z()) * inverse;
-  hit.x = t3_ * hit.alpha - t1_;
-  hit.y = t3_ * hit.beta - t2_;
-  const double x0 = depth * (r1_.x() - hit.alpha * r3_.x()), x1 = depth * (r1_.y() - hit.alpha * r3_.y());
-  const double y0 = depth * (r2_.x() - hit.beta * r3_.x()), y1 = depth * (r2_.y() - hit.beta * r3_.y());
-  hit.gxu = x0 * ray.x_by_u + x1 * ray.y_by_u;
-  hit.gxv = x0 * ray.x_by_v + x1 * ray.y_by_v;
-  hit.gyu = y0 * ray.x_by_u + y1 * ray.y_by_u;
-  hit.gyv = y0 * ray.x_by_v + y1 * ray.y_by_v;
-  const double xx = spread.uu * hit.gxu * hit.gxu + 2.0 * spread.uv * hit.gxu * hit.gxv + spread.vv * hit.gxv * hit.gxv;
-  const double yy = spread.uu * hit.gyu * hit.gyu + 2.0 * spread.uv * hit.gyu * hit.gyv + spread.vv * hit.gyv * hit.gyv;
-  const double xy = spread.uu * hit.gxu * hit.gyu + spread.uv * (hit.gxu * hit.gyv + hit.gxv * hit.gyu) +
-                    spread.vv * hit.gxv * hit.gyv;
-  if (!(xx > 0.0 && yy > 0.0)) return false;
-  const double product = std::sqrt(xx * yy), inverse_product = 1.0 / product;
-  hit.sx = std::sqrt(xx);
-  hit.ratio = yy * inverse_product;
-  hit.inverse_ratio = xx * inverse_product;
-  hit.sy = hit.sx * hit.ratio;
-  hit.rho = std::clamp(xy * inverse_product, -kMaxCorrelation, kMaxCorrelation);
-  return true;
-}
-
-// With e1 = r1 - alpha r3 and e2 = r2 - beta r3, the ray's hit moves by dx = -e1 . d + w . (e1 x X), the gradients of x
-// and y by the pixel change by (dlambda / lambda - alpha w2) grad x + (w3 + alpha w1) grad y and alike, which gives the
-// changes of sx, sy and rho.
-void MarkerPlane::derivativeByMotion(const MarkerHit& hit, const PatternResponse& response, double per_metre,
-                                     double by_motion[6]) const {
-  const double gx = response.by_x * per_metre, gy = response.by_y * per_metre;
-  const double bx = response.by_log_sx, by = response.by_log_sy;
-  const double twist = response.by_rho * (1.0 - hit.rho * hit.rho);
-  const double p = (bx * hit.rho + twist) * hit.ratio;
-  const double q = -(by * hit.rho + twist) * hit.inverse_ratio;
-  const double away = hit.alpha * gx + hit.beta * gy + (bx + by) * inverse_t3_;
-  by_motion[0] = -gx;
-  by_motion[1] = -gy;
-  by_motion[2] = away;
-  by_motion[3] = hit.y * away + hit.alpha * p + hit.beta * by;
-  by_motion[4] = -hit.x * away - hit.alpha * bx + hit.beta * q;
-  by_motion[5] = hit.y * gx - hit.x * gy + p + q;
-}
-
-void derivativeBySpread(const MarkerHit& hit, const PatternResponse& response, double by_spread[3]) {
-  const double ixx = 1.0 / (hit.sx * hit.sx), iyy = 1.0 / (hit.sy * hit.sy), ixy = response.by_rho / (hit.sx * hit.sy);
-  const double cx = 0.5 * (response.by_log_sx - hit.rho * response.by_rho) * ixx;
-  const double cy = 0.5 * (response.by_log_sy - hit.rho * response.by_rho) * iyy;
-  by_spread[0] = cx * hit.gxu * hit.gxu + cy * hit.gyu * hit.gyu + ixy * hit.gxu * hit.gyu;
-  by_spread[1] =
-      2.0 * (cx * hit.gxu * hit.gxv + cy * hit.gyu * hit.gyv) + ixy * (hit.gxu * hit.gyv + hit.gxv * hit.gyu);
-  by_spread[2] = cx * hit.gxv * hit.gxv + cy * hit.gyv * hit.gyv + ixy * hit.gxv * hit.gyv;
 }
 
 }  // namespace seater_perception

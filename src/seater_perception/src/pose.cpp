@@ -137,6 +137,13 @@ Matrix6d transportCovariance(const Matrix6d& covariance, const Eigen::Isometry3d
   return A * covariance * A.transpose();
 }
 
+Eigen::Matrix<double, 6, 1> poseDifference(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  const Eigen::AngleAxisd turn(b.linear() * a.linear().transpose());
+  Eigen::Matrix<double, 6, 1> difference;
+  difference << b.translation() - a.translation(), turn.angle() * turn.axis();
+  return difference;
+}
+
 bool samePose(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   const double angle = Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
   const double distance = (a.translation() - b.translation()).norm();

@@ -90,7 +90,8 @@ TEST(PixelConvention, countedPixels) {
   const auto corners = fitEdges(picture, {V(100, 80), V(159, 80), V(159, 139), V(100, 139)}, 3.0);
   ASSERT_TRUE(corners);
   const V expected[] = {{99.5, 79.5}, {159.5, 79.5}, {159.5, 139.5}, {99.5, 139.5}};
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_LT(((*corners)[i] - expected[i]).norm(), 0.1) << (*corners)[i].transpose();
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_LT((corners->corners[i] - expected[i]).norm(), 0.1) << corners->corners[i].transpose();
 }
 
 // Bounds: about twice what was measured (docs/perception.md), so that another seed passes and a broken refinement does
@@ -113,6 +114,8 @@ TEST(Accuracy, cornersAndRangeByDistance) {
 // cornerSubPix alone keeps the id and a usable corner, but blur pulls it inwards: what the edge fit is for.
 TEST(Accuracy, withoutEdgeFitCornersArePulledInwards) {
   PerceptionParameters parameters;
+  parameters.refinement = "corners_visp";
+  parameters.detector.search = "opencv";
   parameters.detector.edge_fit = false;
   const Statistics s = measure(scene::calibration(), 1.0, 0.3, 8, scene::Look(), parameters);
   ASSERT_EQ(s.found, 8);
@@ -123,7 +126,10 @@ TEST(Accuracy, withoutEdgeFitCornersArePulledInwards) {
 // The window must not reach the next cell: at 2.5 m a cell is 4 px wide, and OpenCV's usual half window of 5 goes
 // astray.
 TEST(Accuracy, refinementWindowFollowsTheMarker) {
-  PerceptionParameters scaled, fixed;
+  PerceptionParameters scaled;
+  scaled.refinement = "corners_visp";
+  scaled.detector.search = "opencv";
+  PerceptionParameters fixed = scaled;
   scaled.detector.edge_fit = fixed.detector.edge_fit = false;
   fixed.detector.corner_window_min = 5;
   const Statistics good = measure(scene::calibration(), 2.5, 0.3, 8, scene::Look(), scaled);
@@ -217,12 +223,16 @@ TEST(Dock, nothingInThePictureIsNoError) {
   }
 }
 
-// A strip over one edge: corners fall back to cornerSubPix, and the pose says that it is less certain.
+// A strip over one edge: the corners' pose falls back to cornerSubPix, and the pose says that it is less certain.
 TEST(Dock, coveredEdgeIsToldByTheCovariance) {
   const Calibration c = scene::calibration();
   const scene::Print print{0, 0.1, scene::upright({0, 0, 0.8}, 0.4)};
   cv::Mat picture = scene::draw(c, "DICT_4X4_50", {print}, scene::Look(), 1);
-  const DockDetector detector(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
+  PerceptionParameters by_corners;
+  by_corners.refinement = "corners_visp";
+  by_corners.detector.search = "opencv";
+  const DockDetector detector(CameraModel::raw(c), scene::defaultDock(), by_corners, CameraMount());
+  const DockDetector photometric(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
   const auto free = detector.detect(picture);
   const auto corners = scene::trueCorners(c, print);
   const Eigen::Vector2d middle = 0.5 * (corners[2] + corners[3]);
@@ -234,6 +244,11 @@ TEST(Dock, coveredEdgeIsToldByTheCovariance) {
   EXPECT_TRUE(free.markers[0].image.edges_fitted);
   EXPECT_FALSE(covered.markers[0].image.edges_fitted);
   EXPECT_GT(covered.markers[0].best().covariance.trace(), 4.0 * free.markers[0].best().covariance.trace());
+  // The fit to the grey levels needs no whole edge.
+  const auto fitted = photometric.detect(picture);
+  ASSERT_EQ(fitted.markers.size(), 1u);
+  const Eigen::Vector3d error = fitted.markers[0].best().pose.translation() - print.T_optical_marker.translation();
+  EXPECT_LT(error.norm(), 0.0005);  // measured: see docs/perception.md
 }
 
 TEST(Annotation, showsMarkersWithoutTouchingTheInput) {

@@ -6,9 +6,11 @@
 
 #include "photometric_scene.h"
 #include "seater_perception/errors.h"
+#include "seater_perception/fast_normal.h"
 #include "seater_perception/marker_pose.h"
-#include "seater_perception/photometric_fit.h"
+#include "seater_perception/photometric_kernel.h"
 #include "seater_perception/photometric_model.h"
+#include "seater_perception/photometric_samples.h"
 
 using namespace seater_perception;
 using Eigen::Isometry3d;
@@ -74,6 +76,13 @@ Statistics statistics(const View& view, const cv::Mat& clean, double noise, int 
   return s;
 }
 
+/// The whole information of a picture; by default, a part of a large marker's pixels is enough.
+PhotometricParameters allPixels() {
+  PhotometricParameters parameters;
+  parameters.max_pixels = 8000;
+  return parameters;
+}
+
 /// Noise with rounding to whole grey levels.
 double rounded(double noise) {
   return std::sqrt(noise * noise + 1.0 / 12.0);
@@ -123,48 +132,115 @@ TEST(PhotometricModel, SmoothsAsNumericIntegrationDoes) {
   EXPECT_LT(largest, 2.5e-3);  // of which 2e-3 come from the sum's steps of 0.01 standard deviations
 }
 
-TEST(PhotometricModel, DerivativesAgreeWithDifferences) {
-  const auto pattern = MarkerPattern::fromDictionary("DICT_4X4_50", 0);
-  const double per_metre = 60.0;
-  const Isometry3d pose = scene::upright(Vector3d(0.05, -0.08, 1.1), 0.5, 0.3, 0.4);
-  const SpreadCovariance spread{0.9, 0.15, 0.6};
-  const auto value = [&](const Isometry3d& at, const SpreadCovariance& s, const PixelRay& ray) {
-    MarkerHit hit;
-    EXPECT_TRUE(MarkerPlane(at).hit(ray, s, hit));
-    return smoothedPattern(pattern, hit.x * per_metre + 3, hit.y * per_metre + 3, hit.sx * per_metre,
-                           hit.sy * per_metre, hit.rho)
-        .value;
-  };
-  double largest = 0.0;
-  for (int i = 0; i < 400; ++i) {
-    const double u = 0.05 / 1.1 + 0.0045 * (i % 20 - 10), v = -0.08 / 1.1 + 0.0045 * (i / 20 - 10);
-    const PixelRay ray{u, v, 1.0 / 640.0, 1e-5, -2e-5, 1.0 / 630.0};
-    MarkerHit hit;
-    ASSERT_TRUE(MarkerPlane(pose).hit(ray, spread, hit));
-    const auto response = smoothedPattern(pattern, hit.x * per_metre + 3, hit.y * per_metre + 3, hit.sx * per_metre,
-                                          hit.sy * per_metre, hit.rho);
-    double motion[6], blur[3];
-    MarkerPlane(pose).derivativeByMotion(hit, response, per_metre, motion);
-    derivativeBySpread(hit, response, blur);
-    for (int k = 0; k < 9; ++k) {
-      const double step = k < 3 ? 1e-6 : 1e-5;
+/// The kernel on pixels collected from a picture, of which only their places matter here.
+struct Kernel {
+  Kernel(const View& seen, double blur_sd) : view(seen), camera(CameraModel::raw(seen.camera)) {
+    const cv::Mat grey(seen.camera.height, seen.camera.width, CV_8U, cv::Scalar(100));
+    SampleCollector().collect(grey, camera, placementsOf(seen)[0], seen.pose, blur_sd, 0.3, 100000, {}, samples);
+    const auto n = static_cast<std::size_t>(samples.batch.padded);
+    white.resize(n);
+    by.resize(9 * n);
+  }
+
+  /// White of all pixels; `by` gets the derivatives.
+  const std::vector<float>& at(const Isometry3d& pose, const SpreadCovariance& spread, int blur = 3) {
+    MarkerView seen;
+    EXPECT_TRUE(
+        MarkerView::make(pose, 6 / view.prints[0].size, view.camera.K[0], view.camera.K[4], spread, samples, seen));
+    renderBatch(samples.batch, seen, blur, white.data(), by.data(), samples.batch.padded);
+    return white;
+  }
+
+  View view;
+  CameraModel camera;
+  MarkerSamples samples;
+  std::vector<float> white, by;
+};
+
+/// A tilted marker with so many pixels to a cell.
+View tilted(double pixels_per_cell) {
+  View view;
+  const double z = 640.0 * 0.1 / (6.0 * pixels_per_cell);
+  view.pose = scene::upright(Vector3d(0.05 * z, -0.08 * z, z), 0.5, 0.3, 0.4);
+  view.prints = {{0, 0.1, view.pose}};
+  return view;
+}
+
+TEST(PhotometricKernel, FastNormalIsTheNormalLaw) {
+  for (float h = -4.4F; h <= 4.4F; h += 0.01F) {
+    EXPECT_NEAR(normalAt(h).distribution, 0.5 * std::erfc(-h * M_SQRT1_2), 1e-6);
+    EXPECT_NEAR(normalAt(h).density, std::exp(-0.5 * h * h) / std::sqrt(2.0 * M_PI), 1e-6);
+  }
+}
+
+TEST(PhotometricKernel, AgreesWithTheModelCellByCell) {
+  for (const double pixels : {20.0, 9.0, 5.0, 2.6}) {
+    Kernel kernel(tilted(pixels), 0.9);
+    const auto pattern = placementsOf(kernel.view)[0].pattern;
+    const SpreadCovariance spread{0.9, 0.15, 0.8};
+    const auto white = kernel.at(kernel.view.pose, spread);
+    const RayGrid grid = [&] {
+      RayGrid g;
+      EXPECT_TRUE(g.make(kernel.camera, 0, 0, 1279, 719));
+      return g;
+    }();
+    double largest = 0.0;
+    for (int i = 0; i < kernel.samples.batch.count; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double u = kernel.samples.batch.x[k] + 640.0 * kernel.samples.ray_x + kernel.view.camera.K[2];
+      const double v = kernel.samples.batch.y[k] + 640.0 * kernel.samples.ray_y + kernel.view.camera.K[5];
+      MarkerHit hit;
+      ASSERT_TRUE(MarkerPlane(kernel.view.pose).hit(grid.at(u, v), hit));
+      const double c = 60.0,
+                   xx = spread.uu * hit.gxu * hit.gxu + 2.0 * spread.uv * hit.gxu * hit.gxv +
+                        spread.vv * hit.gxv * hit.gxv,
+                   yy = spread.uu * hit.gyu * hit.gyu + 2.0 * spread.uv * hit.gyu * hit.gyv +
+                        spread.vv * hit.gyv * hit.gyv,
+                   xy = spread.uu * hit.gxu * hit.gyu + spread.uv * (hit.gxu * hit.gyv + hit.gxv * hit.gyu) +
+                        spread.vv * hit.gxv * hit.gyv;
+      const double expected = smoothedPattern(pattern, c * hit.x + 3.0, c * hit.y + 3.0, c * std::sqrt(xx),
+                                              c * std::sqrt(yy), xy / std::sqrt(xx * yy))
+                                  .value;
+      largest = std::max(largest, std::abs(expected - white[k]));
+    }
+    ASSERT_GT(kernel.samples.batch.count, 100);
+    EXPECT_LT(largest, 1e-3) << pixels << " px a cell, " << kernel.samples.batch.borders << " borders";
+  }
+}
+
+TEST(PhotometricKernel, DerivativesAgreeWithDifferences) {
+  for (const double pixels : {20.0, 5.0}) {
+    Kernel kernel(tilted(pixels), 0.9);
+    const Isometry3d pose = kernel.view.pose;
+    const SpreadCovariance spread{0.9, 0.15, 0.8};
+    kernel.at(pose, spread);
+    const auto analytic = kernel.by;
+    const auto n = static_cast<std::size_t>(kernel.samples.batch.padded);
+    for (std::size_t k = 0; k < 9; ++k) {
+      const double step = k < 3 ? 0.001 : k < 6 ? 0.0004 : 0.01;  // [cells, rad, px^2]
       const auto at = [&](double sign) {
         Isometry3d moved = pose;
         SpreadCovariance s = spread;
         if (k < 3)
-          moved.translation() += pose.linear().col(k) * sign * step;
+          moved.translation() += pose.linear().col(static_cast<int>(k)) * sign * step / 60.0;
         else if (k < 6)
-          moved.linear() = pose.linear() * Eigen::AngleAxisd(sign * step, Vector3d::Unit(k - 3)).toRotationMatrix();
+          moved.linear() = pose.linear() *
+                           Eigen::AngleAxisd(sign * step, Vector3d::Unit(static_cast<int>(k) - 3)).toRotationMatrix();
         else
           (k == 6 ? s.uu : k == 7 ? s.uv : s.vv) += sign * step;
-        return value(moved, s, ray);
+        return kernel.at(moved, s);
       };
-      const double numeric = (at(1.0) - at(-1.0)) / (2.0 * step), analytic = k < 6 ? motion[k] : blur[k - 6];
-      const double size = k < 3 ? 250.0 : k < 6 ? 12.0 : 0.2;  // what such a derivative amounts to
-      largest = std::max(largest, std::abs(numeric - analytic) / size);
+      const auto above = at(1.0), below = at(-1.0);
+      double largest = 0.0, size = 0.0;
+      for (int i = 0; i < kernel.samples.batch.count; ++i) {
+        const auto at_pixel = k * n + static_cast<std::size_t>(i);
+        const double numeric = (above[at_pixel - k * n] - below[at_pixel - k * n]) / (2.0 * step);
+        largest = std::max(largest, std::abs(numeric - analytic[at_pixel]));
+        size = std::max(size, std::abs(numeric));
+      }
+      EXPECT_LT(largest, 2e-3 * size) << "unknown " << k << ", " << pixels << " px a cell";
     }
   }
-  EXPECT_LT(largest, 1e-3);
 }
 
 TEST(PhotometricModel, ClippedMeanIsTheMeanOfClippedNoise) {
@@ -219,7 +295,7 @@ TEST(Photometric, ErrorsReachTheCramerRaoBoundAndTheCovarianceSaysSo) {
   const int seeds = 40;
   for (const Case& c : {Case{0.6, 20.0, 2.0}, Case{1.0, 0.0, 3.0}, Case{2.0, 30.0, 2.0}, Case{2.8, 10.0, 3.0}}) {
     const View view = photo_scene::single(0.1, c.distance, c.tilt * kDegree);
-    const auto s = statistics(view, photo_scene::clean(view), c.noise, seeds);
+    const auto s = statistics(view, photo_scene::clean(view), c.noise, seeds, allPixels());
     const double bound = photo_scene::cramerRao(view, rounded(c.noise), true, true).position();
     printf("%.1f m %2.0f deg noise %.0f: rms %.4f mm, bound %.4f mm, NEES %.2f\n", c.distance, c.tilt, c.noise,
            s.rms * 1e3, bound * 1e3, s.nees);
@@ -229,6 +305,20 @@ TEST(Photometric, ErrorsReachTheCramerRaoBoundAndTheCovarianceSaysSo) {
     EXPECT_GT(s.rms, 0.65 * bound);
     // Mean of 40 chi-squares with 6 degrees of freedom, three standard deviations.
     EXPECT_NEAR(s.nees, 6.0, 3.0 * std::sqrt(12.0 / seeds));
+  }
+}
+
+// The price of camera rate: with the default number of pixels, large markers stay within twice their bound.
+TEST(Photometric, DefaultPixelsStayWithinTwiceTheBound) {
+  for (const double distance : {0.35, 0.6, 1.0}) {
+    const View view = photo_scene::single(0.1, distance, 20.0 * kDegree);
+    const auto s = statistics(view, photo_scene::clean(view), 3.0, 30);
+    const double bound = photo_scene::cramerRao(view, rounded(3.0), true, true).position();
+    printf("%.2f m, %d pixels at most: rms %.2f times the bound, NEES %.2f\n", distance,
+           PhotometricParameters().max_pixels, s.rms / bound, s.nees);
+    ASSERT_EQ(s.converged, 30);
+    EXPECT_LT(s.rms, 2.0 * bound);
+    EXPECT_NEAR(s.nees, 6.0, 3.0 * std::sqrt(12.0 / 30));
   }
 }
 
@@ -296,8 +386,8 @@ TEST(Photometric, BrightnessThatChangesOverTheMarkerDoesNotPull) {
   for (int y = 0; y < clean.rows; ++y) {
     for (int x = 0; x < clean.cols; ++x) clean.at<double>(y, x) *= 1.0 + 0.001 * (x - 640);
   }
-  const auto modelled = statistics(view, clean, 2.0, 10);
-  PhotometricParameters flat;
+  const auto modelled = statistics(view, clean, 2.0, 10, allPixels());
+  PhotometricParameters flat = allPixels();
   flat.illumination_slope = false;
   const auto ignored = statistics(view, clean, 2.0, 10, flat);
   EXPECT_LT(modelled.rms, 1.5 * photo_scene::cramerRao(view, 2.0, true, true).position());
@@ -308,7 +398,7 @@ TEST(Photometric, BundleOfTheDockReachesItsBound) {
   View view;
   view.pose = scene::dockSeenFrom(-0.7, 0.12, 0.1);
   view.prints = scene::defaultPrints(view.pose);
-  const auto s = statistics(view, photo_scene::clean(view), 2.0, 15);
+  const auto s = statistics(view, photo_scene::clean(view), 2.0, 15, allPixels());
   ASSERT_EQ(s.converged, 15);
   const double bound = photo_scene::cramerRao(view, rounded(2.0), true, true).position();
   printf("bundle: rms %.4f mm, bound %.4f mm, NEES %.2f\n", s.rms * 1e3, bound * 1e3, s.nees);
@@ -344,7 +434,7 @@ TEST(Photometric, ResidualsTellTheBranches) {
   }
   const auto seeds = squareSolutions(corners);
   ASSERT_EQ(seeds.size(), 2u);
-  const auto branches = refineBranches(PhotometricRefiner({}), grey, camera, placementsOf(view), {seeds[1], seeds[0]});
+  const auto branches = PhotometricRefiner({}).refineBranches(grey, camera, placementsOf(view), {seeds[1], seeds[0]});
   ASSERT_EQ(branches.size(), 2u);
   int best = branches[0].weight > branches[1].weight ? 0 : 1;
   const auto& chosen = branches[static_cast<std::size_t>(best)];

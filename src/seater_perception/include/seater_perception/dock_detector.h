@@ -7,6 +7,7 @@
 #include "seater_perception/dock_pose.h"
 #include "seater_perception/marker_detector.h"
 #include "seater_perception/parameters.h"
+#include "seater_perception/photometric_stage.h"
 
 namespace cv {
 class Mat;
@@ -19,6 +20,7 @@ struct DetectionResult {
   std::vector<DetectedMarker> markers;  ///< ascending id
   std::vector<DockHypothesis> dock;     ///< most probable first; empty when the dock is not seen
   int refused = 0;                      ///< markers of the layout that were found, but whose pose was not believable
+  bool full_search = true;              ///< false: only the predicted places were searched
 };
 
 /// Picture in, markers and dock out: all that a user of this library needs. Not thread-safe; use one per thread.
@@ -36,16 +38,26 @@ class DockDetector {
   /// The picture has to be CV_8UC1 and of the camera's size; every number of the result is finite. Throws PictureError.
   DetectionResult detect(const cv::Mat& grey) const;
 
+  /// Poses of markers that have been found in this picture, and of the dock. Throws PictureError.
+  DetectionResult evaluate(const cv::Mat& grey, const std::vector<MarkerCorners>& found) const;
+
+  const MarkerDetector& markerDetector() const { return detector_; }
+  const PerceptionParameters& parameters() const { return parameters_; }
   void setCamera(const CameraModel& camera) { camera_ = camera; }
   const CameraModel& camera() const { return camera_; }
   const DockLayout& layout() const { return layout_; }
 
  private:
+  PosePrior priorOf(int id) const;
+  void refineMarkers(const cv::Mat& grey, DetectionResult& result) const;
+
   CameraModel camera_;
   DockLayout layout_;
   PerceptionParameters parameters_;
   Eigen::Vector3d up_;  // in the optical frame
   MarkerDetector detector_;
+  PhotometricRefiner refiner_;
+  mutable PatternBook patterns_;  // filled as ids are seen
 };
 
 }  // namespace seater_perception

@@ -40,6 +40,18 @@ void weigh(std::vector<PoseHypothesis>& hypotheses, std::size_t corners, const P
 /// The part m of weigh()'s cost: what the prior says against a pose, up to a constant.
 double tiltCost(const PoseHypothesis& hypothesis, const PosePrior& prior, double tilt_sigma);
 
+/// Covariance about the first one's pose of all hypotheses together (second moment of the mixture by their weights):
+/// what a single published pose has to say while the picture has not decided.
+template <typename Hypothesis>
+Matrix6d mixtureCovariance(const std::vector<Hypothesis>& hypotheses) {
+  Matrix6d covariance = Matrix6d::Zero();
+  for (const PoseHypothesis& h : hypotheses) {
+    const auto d = poseDifference(hypotheses.front().pose, h.pose);
+    covariance += h.weight * (h.covariance + d * d.transpose());
+  }
+  return covariance;
+}
+
 /// Leaves out what is less probable than the parameter min_hypothesis_weight; the rest adds up to 1 again.
 template <typename Hypothesis>
 void dropImprobable(std::vector<Hypothesis>& hypotheses, double min_weight) {

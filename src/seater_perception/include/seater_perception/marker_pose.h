@@ -16,14 +16,17 @@ struct DetectedMarker {
   double ambiguity = 0.0;                  ///< error of the first / error of the second; 0 when there is no second one
 
   const PoseHypothesis& best() const { return hypotheses.front(); }
+  /// Covariance of best().pose for those who see no other hypothesis: covers all of them.
+  Matrix6d covariance() const { return mixtureCovariance(hypotheses); }
 };
 
 /// The four corners of a marker of side `size` [m], in its own frame; nothing when they cannot be undistorted.
 std::optional<Correspondences> markerCorrespondences(const CameraModel& camera, const MarkerCorners& marker,
                                                      double size, const PoseParameters& parameters);
 
-/// Both solutions of Collins and Bartoli, "Infinitesimal plane-based pose estimation" (IJCV 2014) for a square of side
-/// `size` [m] (OpenCV's SOLVEPNP_IPPE_SQUARE), smaller error first.
+/// Both poses of a square under which its corners are seen here, to first order about its middle (Collins and Bartoli,
+/// "Infinitesimal plane-based pose estimation", IJCV 2014), smaller error first. They are equal for an exactly frontal
+/// one. `corners.object`: as of markerCorners. Nothing when three corners are in a line.
 std::vector<Eigen::Isometry3d> squareSolutions(const Correspondences& corners);
 
 /// Pose of one marker: both solutions, each refined, weighed by reprojection error and prior. Nothing when the pose is

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <string>
 
+#include "seater_perception/photometric_parameters.h"
 #include "seater_perception/strict_yaml.h"
 
 namespace seater_perception {
@@ -10,11 +11,15 @@ namespace seater_perception {
 /// How markers are found in the picture. Every struct here holds default, unit, range and meaning of a value in one
 /// place.
 struct DetectorParameters {
+  std::string search = "own";
   int threshold_window_min = 3;
   int threshold_window_max = 23;
   int threshold_window_step = 10;
   double threshold_constant = 7.0;
-  double min_side = 12.0;
+  double min_side = 11.0;
+  int search_window = 25;
+  double search_constant = 4.0;
+  double min_correlation = 0.96;
   double error_correction_rate = 0.6;
   double corner_window = 0.4;
   int corner_window_min = 2;
@@ -26,6 +31,11 @@ struct DetectorParameters {
 
   template <typename Visitor>
   void visit(Visitor& v) {
+    v.choice("search", search, {"own", "opencv"}, "outlines by the own search, or by OpenCV's detectMarkers");
+    v.integer("search_window", search_window, "px", 5, 255, "own search: window of the adaptive threshold, odd");
+    v.number("search_constant", search_constant, "grey levels", 0.5, 100.0,
+             "own search: how much darker than its surroundings");
+    v.number("min_correlation", min_correlation, "", 0.5, 0.99, "own search: of the grey levels with the code");
     v.integer("threshold_window_min", threshold_window_min, "px", 3, 255, "smallest window of the adaptive threshold");
     v.integer("threshold_window_max", threshold_window_max, "px", 3, 255, "largest window of the adaptive threshold");
     v.integer("threshold_window_step", threshold_window_step, "px", 1, 255, "step between the windows");
@@ -47,6 +57,7 @@ struct DetectorParameters {
 struct PoseParameters {
   double corner_sigma = 0.05;
   double corner_sigma_coarse = 0.25;
+  double model_sigma = 0.02;
   double tilt_sigma = 0.035;
   double min_hypothesis_weight = 0.02;
   double max_reprojection_error = 1.0;
@@ -58,12 +69,32 @@ struct PoseParameters {
     v.number("corner_sigma", corner_sigma, "px", 0.001, 5.0, "standard deviation of a corner coordinate");
     v.number("corner_sigma_coarse", corner_sigma_coarse, "px", 0.001, 5.0,
              "the same where the edges could not be fitted");
+    v.number("model_sigma", model_sigma, "px", 0.0, 5.0,
+             "photometric: what camera and print deviate from the model, as of a corner coordinate");
     v.number("tilt_sigma", tilt_sigma, "rad", 0.001, 1.0, "how far markers and camera are from upright");
     v.number("min_hypothesis_weight", min_hypothesis_weight, "", 0.0, 0.5, "less probable poses are left out");
     v.number("max_reprojection_error", max_reprojection_error, "px", 0.05, 20.0, "larger ones are refused, if also:");
     v.number("max_reprojection_fraction", max_reprojection_fraction, "sides", 0.0, 0.2,
              "of the marker's side exceeded");
     v.number("placement_tolerance", placement_tolerance, "m", 0.0, 0.1, "how far a marker may be from its place");
+  }
+};
+
+/// How markers are followed from picture to picture.
+struct TrackingParameters {
+  bool enabled = true;
+  int full_search_every = 15;
+  double margin = 0.6;
+  double margin_min = 12.0;
+  double min_correlation = 0.85;
+
+  template <typename Visitor>
+  void visit(Visitor& v) {
+    v.boolean("enabled", enabled, "look near the last places first; false: search every picture as a whole");
+    v.integer("full_search_every", full_search_every, "pictures", 1, 100000, "at the latest, the whole is searched");
+    v.number("margin", margin, "sides", 0.1, 5.0, "how far round the predicted place is searched");
+    v.number("margin_min", margin_min, "px", 2.0, 500.0, "but at least");
+    v.number("min_correlation", min_correlation, "", 0.5, 0.99, "of the grey levels with the expected code");
   }
 };
 
@@ -82,15 +113,22 @@ struct DiagnosticsParameters {
 /// config/perception.yaml.
 struct PerceptionParameters {
   std::string selection = "bundle";  ///< "bundle": all visible markers; "lowest_id": the paper's choice
+  /// "photometric": poses fitted to the grey levels; "corners_visp": to the corners alone.
+  std::string refinement = "photometric";
   DetectorParameters detector;
   PoseParameters pose;
+  PhotometricParameters photometric;
+  TrackingParameters tracking;
   DiagnosticsParameters diagnostics;
 
   template <typename Visitor>
   void visit(Visitor& v) {
     v.choice("selection", selection, {"bundle", "lowest_id"}, "which markers the dock's pose is computed from");
+    v.choice("refinement", refinement, {"photometric", "corners_visp"}, "what the poses are fitted to");
     v.group("detector", detector, "how markers are found");
     v.group("pose", pose, "how poses are computed");
+    v.group("photometric", photometric, "how poses are fitted to the grey levels");
+    v.group("tracking", tracking, "how markers are followed from picture to picture");
     v.group("diagnostics", diagnostics, "limits for warnings");
   }
 };

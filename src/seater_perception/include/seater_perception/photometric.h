@@ -1,11 +1,14 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "seater_perception/brightness.h"
 #include "seater_perception/camera_model.h"
 #include "seater_perception/marker_pattern.h"
+#include "seater_perception/photometric_parameters.h"
 #include "seater_perception/pose.h"
 
 namespace cv {
@@ -14,58 +17,11 @@ class Mat;
 
 namespace seater_perception {
 
-/// How a pose is fitted to the grey levels.
-struct PhotometricParameters {
-  std::string blur = "estimated";
-  double blur_sd = 0.7;
-  bool illumination_slope = true;
-  double quiet_zone = 1.0;
-  double noise_sd = 0.0;
-  double saturation = 0.0;
-  double reach = 2.5;
-  double margin = 0.7;
-  int max_pixels = 8000;
-  int max_iterations = 40;
-  double tukey = 6.0;
-  double max_shift = 0.3;
-  double min_inlier_share = 0.5;
-  double min_contrast = 4.0;
-
-  template <typename Visitor>
-  void visit(Visitor& v) {
-    v.choice("blur", blur, {"given", "estimated", "directed"},
-             "the camera's blur: as given; one width estimated; a width along each direction estimated (motion)");
-    v.number("blur_sd", blur_sd, "px", 0.0, 10.0, "standard deviation of lens blur, the pixel's own area not included");
-    v.boolean("illumination_slope", illumination_slope, "estimate how brightness changes over the marker");
-    v.number("quiet_zone", quiet_zone, "cells", 0.0, 10.0, "white margin round a marker that can be relied on");
-    v.number("noise_sd", noise_sd, "grey levels", 0.0, 10000.0, "known noise, for reduced_chi_square; 0: unknown");
-    v.number("saturation", saturation, "grey levels", 0.0, 65535.0, "where the sensor clips; 0: largest of the type");
-    v.number("reach", reach, "standard deviations", 1.0, 4.0,
-             "of the blur; pixels farther from every edge are thinned out");
-    v.number("margin", margin, "px", 0.0, 10.0, "the same, additionally, for the seed's error");
-    v.integer("max_pixels", max_pixels, "", 200, 1000000, "most pixels used of one marker");
-    v.integer("max_iterations", max_iterations, "", 1, 1000, "most evaluations of the picture");
-    v.number("tukey", tukey, "standard deviations", 3.0, 20.0, "of the noise; residuals above are outliers");
-    v.number("max_shift", max_shift, "sides", 0.01, 2.0, "a fit that moves a marker farther in the picture has failed");
-    v.number("min_inlier_share", min_inlier_share, "", 0.1, 1.0, "a fit with fewer inliers has failed");
-    v.number("min_contrast", min_contrast, "grey levels", 0.5, 10000.0,
-             "a fit with less between black and white has failed");
-  }
-};
-
 /// One marker and where it sits on the object whose pose is wanted.
 struct PatternPlacement {
   MarkerPattern pattern;
   double size = 0.0;  ///< side of the black square [m]
   Eigen::Isometry3d T_object_marker = Eigen::Isometry3d::Identity();
-};
-
-/// Grey level = (offset + gain * white) * (1 + slope . p), white 0 or 1, p from -1 to 1 across the marker's box in the
-/// picture.
-struct Brightness {
-  bool used = false;                ///< false: the marker is not in the picture
-  double offset = 0.0, gain = 0.0;  ///< [grey levels]
-  double slope_u = 0.0, slope_v = 0.0;
 };
 
 struct PhotometricResult {
@@ -83,7 +39,16 @@ struct PhotometricResult {
   double reduced_chi_square = 0.0;  ///< robust cost over its expectation at the known noise_sd (1 when that is unknown)
   double cost = 0.0;                ///< sum of Tukey's rho of all pixels at the result's noise_sd
   double inlier_share = 0.0;
+  double explained = 0.0;  ///< part of the grey levels' variance that the pattern explains, outliers included; 1: all
+  double clipped_low = 0.0, clipped_high = 0.0;  ///< share of the pixels at either end of the sensor's range
   int pixels = 0, iterations = 0;
+};
+
+/// One seed's result and what it weighs beside the others'.
+struct PhotometricBranch {
+  PhotometricResult result;
+  double chi_square = 0.0;  ///< robust, on the pixels common to all branches
+  double weight = 0.0;
 };
 
 /// Fits the pose of printed markers to the grey levels of a picture: every pixel near a cell border is compared with
@@ -97,28 +62,32 @@ class PhotometricRefiner {
  public:
   /// Throws ConfigurationError for an unknown `blur`.
   explicit PhotometricRefiner(const PhotometricParameters& parameters);
+  ~PhotometricRefiner();
+  PhotometricRefiner(PhotometricRefiner&&) noexcept;
 
   /// `grey` is CV_8UC1 or CV_16UC1 of the camera's size, else PictureError is thrown. `initial` is T_optical_object,
   /// good to a pixel or a third of a cell, whichever is larger. Whatever is in the picture, the result is finite.
   PhotometricResult refine(const cv::Mat& grey, const CameraModel& camera,
                            const std::vector<PatternPlacement>& placements, const Eigen::Isometry3d& initial) const;
 
+  /// Refines every seed, the most probable one first, and weighs the distinct results by their residuals alone: w ~
+  /// exp(-chi^2 / 2), all on the same pixels, with the best one's noise. Results that did not converge get weight 0,
+  /// and so do those that a first look at a part of the pixels shows to be hopeless or the same as an earlier one. Sum
+  /// 1 unless none converged.
+  ///
+  /// `known_blur` [px]: the lens blur to begin with, when the seeds are exact to about 0.1 px and nothing is covered,
+  /// so that the first, careful approach is left out; 0: the parameters' blur, and the seeds are as for `refine`.
+  std::vector<PhotometricBranch> refineBranches(const cv::Mat& grey, const CameraModel& camera,
+                                                const std::vector<PatternPlacement>& placements,
+                                                const std::vector<Eigen::Isometry3d>& seeds,
+                                                double known_blur = 0.0) const;
+
   const PhotometricParameters& parameters() const { return parameters_; }
 
  private:
+  struct Workspace;
   PhotometricParameters parameters_;
+  std::unique_ptr<Workspace> workspace_;  // memory used again by the next call: one refiner per thread
 };
-
-/// Refines every seed and weighs the distinct results by their residuals alone: w ~ exp(-chi^2 / 2), all on the same
-/// pixels, with the best one's noise. Results that did not converge get weight 0. Sum 1 unless none converged.
-struct PhotometricBranch {
-  PhotometricResult result;
-  double chi_square = 0.0;  ///< robust, on the pixels common to all branches
-  double weight = 0.0;
-};
-std::vector<PhotometricBranch> refineBranches(const PhotometricRefiner& refiner, const cv::Mat& grey,
-                                              const CameraModel& camera,
-                                              const std::vector<PatternPlacement>& placements,
-                                              const std::vector<Eigen::Isometry3d>& seeds);
 
 }  // namespace seater_perception

@@ -49,6 +49,9 @@ std::optional<Matrix6d> poseCovariance(const CameraModel& camera, const Correspo
 Matrix6d transportCovariance(const Matrix6d& covariance, const Eigen::Isometry3d& T_a_b,
                              const Eigen::Isometry3d& T_b_c);
 
+/// (d, w) with b = a moved so: t_b = t_a + d, R_b = exp([w]x) R_a, the rotation's angle at most pi.
+Eigen::Matrix<double, 6, 1> poseDifference(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
+
 /// True when both poses are the same for practical purposes: within 0.001 rad, and 0.0001 of the distance.
 bool samePose(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
 

@@ -1,0 +1,1 @@
+"""What the perception commands share: camera, renderer, Cramer-Rao bound, peers. No ROS."""

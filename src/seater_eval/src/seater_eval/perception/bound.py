@@ -1,0 +1,57 @@
+"""The Cramer-Rao bound of a picture of one marker: no unbiased estimator of its pose has a smaller covariance."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_eval.perception.degraded_camera import DegradedCamera
+from seater_eval.perception.render import Print, box_of, moved, white_share
+
+Array = NDArray[np.float64]
+QUANTISATION_VARIANCE = 1.0 / 12.0  # of rounding to whole grey levels
+
+
+def cramer_rao(
+    print_: Print, camera: DegradedCamera, *, blur: bool = True, slope: bool = True, samples: int = 5
+) -> Array:
+    """(6, 6) smallest covariance of the pose error (d, w) as in `moved`: x y z [m], rotation [rad].
+
+    Unknown beside the pose: brightness offset and gain; if told so the blur and two slopes of the brightness. The Fisher
+    information is J^T J / variance with J the derivative of the noise-free picture, by central differences of the renderer
+    (Kay, "Fundamentals of Statistical Signal Processing: Estimation Theory", 3.9); the variance is that of noise and rounding.
+    The paper is taken as endless: where the sheet ends tells an estimator nothing that knows only the print.
+    """
+    box = box_of(print_, camera, 1.0, 1.0)
+    black, white, _ = camera.levels
+    contrast = white - black
+
+    def share(p: Print, c: DegradedCamera = camera) -> Array:
+        return white_share(p, c, box, samples=samples, endless_paper=True)
+
+    z = float(print_.pose[2, 3])
+    # [m], [rad]: an edge moves by about a tenth of a pixel
+    lateral = 0.1 * z / camera.focal_length
+    turn = 0.2 * z / (camera.focal_length * print_.size)
+    steps = [lateral, lateral, 2.0 * lateral * z / print_.size, min(0.05, 4.0 * turn), min(0.05, 4.0 * turn), turn]
+    columns = []
+    for i, step in enumerate(steps):
+        change = np.zeros(6)
+        change[i] = step
+        columns.append(contrast * (share(moved(print_, change)) - share(moved(print_, -change))) / (2.0 * step))
+    middle = share(print_)
+    columns += [np.ones_like(middle), middle]
+    if blur:
+        wide, narrow = (share(print_, replace(camera, blur_sd=camera.blur_sd + d)) for d in (0.03, -0.03))
+        columns.append(contrast * (wide - narrow) / 0.06)
+    if slope:
+        grey = black + contrast * middle
+        h, w = middle.shape
+        columns += [grey * np.linspace(-1.0, 1.0, w)[None, :], grey * np.linspace(-1.0, 1.0, h)[:, None]]
+    J = np.column_stack([c.ravel() for c in columns])
+    scale = 1.0 / np.linalg.norm(J, axis=0)
+    inverse = np.linalg.inv((J * scale).T @ (J * scale)) * np.outer(scale, scale)
+    variance = camera.noise_sd**2 + QUANTISATION_VARIANCE
+    return np.asarray(variance * inverse[:6, :6])

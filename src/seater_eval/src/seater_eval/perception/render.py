@@ -1,0 +1,200 @@
+"""Pictures of printed markers, made independently of the model inside the estimator.
+
+Every pixel is divided into samples x samples; each sample asks the exact homography which cell of the print it sees (an edge
+within a sample counts by its share). The lens blur (and the path of a motion) is applied on that fine grid, then the mean over
+each pixel's area is taken. A pixel's centre has integer coordinates: pixel u covers u - 1/2 .. u + 1/2.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seater_eval.perception.degraded_camera import DegradedCamera
+
+Array = NDArray[np.float64]
+Picture = NDArray[np.uint8]
+Box = tuple[int, int, int, int]  # x0, y0, x1, y1 [px]; x1 and y1 are outside
+
+
+@dataclass(frozen=True)
+class Print:
+    """A printed marker and its pose T_optical_marker (4, 4)."""
+
+    dictionary: str
+    id: int
+    size: float  # [m] side of the black square
+    pose: Array
+
+
+@lru_cache(maxsize=256)
+def marker_cells(dictionary: str, marker_id: int) -> NDArray[np.float32]:
+    """(n, n), row 0 on top as the print is read: 1 white, 0 black; the black border is part of it."""
+    markers = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, dictionary))
+    drawn = cv2.aruco.drawMarker(markers, marker_id, markers.markerSize + 2)
+    return np.asarray(drawn > 127, dtype=np.float32)
+
+
+def corners_of(print_: Print, K: Array, scale: float = 1.0) -> Array:
+    """(4, 2) [px] corners of the black square, top left first, clockwise as the print is read; `scale` widens it."""
+    h = 0.5 * print_.size * scale
+    points = np.array([[-h, h, 0.0], [h, h, 0.0], [h, -h, 0.0], [-h, -h, 0.0]])
+    seen = (points @ print_.pose[:3, :3].T + print_.pose[:3, 3]) @ K.T
+    return np.asarray(seen[:, :2] / seen[:, 2:])
+
+
+def box_of(print_: Print, camera: DegradedCamera, cells_around: float, pixels_around: float) -> Box:
+    """The pixels that the sheet can touch, cut at the picture's border (may be empty)."""
+    n = len(marker_cells(print_.dictionary, print_.id))
+    corners = corners_of(print_, camera.K, 1.0 + 2.0 * cells_around / n)
+    low, high = corners.min(axis=0) - pixels_around, corners.max(axis=0) + pixels_around + 1.0
+    x0, y0 = max(0, math.floor(low[0])), max(0, math.floor(low[1]))
+    return (x0, y0, min(camera.image_width, math.ceil(high[0])), min(camera.image_height, math.ceil(high[1])))
+
+
+def samples_for(print_: Print, camera: DegradedCamera) -> int:
+    """Samples across a pixel: many for small prints, which need them and cost little."""
+    side = camera.focal_length * print_.size / max(float(print_.pose[2, 3]), 1e-6)
+    return 12 if side < 60.0 else 8 if side < 130.0 else 5 if side < 300.0 else 4 if side < 600.0 else 2
+
+
+def reflectance(
+    print_: Print, K: Array, box: Box, samples: int, paper: float, wall: float, border: int = 0
+) -> NDArray[np.float32]:
+    """The sharp sheet on the fine grid of a box: 0 ink, 1 paper, `wall` outside of `paper` cells of quiet zone."""
+    cells = marker_cells(print_.dictionary, print_.id)
+    n = len(cells)
+    # Round the cells a ring of paper, then one of wall; borders between them at -paper, 0, 1 .. n, n + paper.
+    table = np.full((n + 4, n + 4), wall, np.float32)
+    table[1:-1, 1:-1] = 1.0
+    table[2:-2, 2:-2] = cells
+    H = _pixel_to_cells(print_, K, n)
+    x0, y0, x1, y1 = box
+    u = x0 - border - 0.5 + (np.arange((x1 - x0 + 2 * border) * samples) + 0.5) / samples
+    v = y0 - border - 0.5 + (np.arange((y1 - y0 + 2 * border) * samples) + 0.5) / samples
+    wx, wy = _sample_width(H, 0.5 * (x0 + x1), 0.5 * (y0 + y1), samples)
+    fine = np.empty((len(v), len(u)), np.float32)
+    step = max(1, 200_000 // max(1, len(u)))  # blocks that stay in the cache
+    for start in range(0, len(v), step):
+        rows = v[start : start + step, None]
+        x, y, w = (H[i, 0] * u[None, :] + (H[i, 1] * rows + H[i, 2]) for i in range(3))
+        fine[start : start + step] = _cover(table, n, paper, x / w, y / w, wx, wy)
+    return fine
+
+
+def _cover(
+    table: NDArray[np.float32], n: int, paper: float, x: Array, y: Array, wx: float, wy: float
+) -> NDArray[np.float32]:
+    """Mean of the table over wx x wy cells round (x, y): the nearest border in each direction divides it."""
+    column, bx = _border(x, n, paper, wx)
+    row, by = _border(y, n, paper, wy)
+    flat = table.ravel()
+    at = row * (n + 4) + column
+    above = flat[at] * (1.0 - bx) + flat[at + 1] * bx
+    below = flat[at + n + 4] * (1.0 - bx) + flat[at + n + 5] * bx
+    return np.asarray(above * (1.0 - by) + below * by, dtype=np.float32)
+
+
+def _border(x: Array, n: int, paper: float, width: float) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    """Number (in the table) of the cell before the nearest border, and the share that lies behind the border."""
+    nearest = np.clip(np.rint(x), 0.0, float(n))
+    number = nearest + 1.0
+    low, high = x < -0.5 * paper, x > n + 0.5 * paper  # nearer to the sheet's edge than to the print's
+    nearest = np.where(low, -paper, np.where(high, n + paper, nearest))
+    number = np.where(low, 0.0, np.where(high, n + 2.0, number))
+    share = np.clip(0.5 + (x - nearest) / width, 0.0, 1.0)
+    return number.astype(np.int32), share.astype(np.float32)
+
+
+def _pixel_to_cells(print_: Print, K: Array, n: int) -> Array:
+    """Homography: pixel -> (column, row) in cells from the print's top left corner, row downwards."""
+    R, t = print_.pose[:3, :3], print_.pose[:3, 3]
+    cell = print_.size / n
+    # (column, row) -> marker frame: x = (column - n/2) cell, y = (n/2 - row) cell
+    to_marker = np.array([[cell, 0.0, -0.5 * print_.size], [0.0, -cell, 0.5 * print_.size], [0.0, 0.0, 1.0]])
+    return np.asarray(np.linalg.inv(K @ np.column_stack([R[:, 0], R[:, 1], t]) @ to_marker))
+
+
+def _sample_width(H: Array, u: float, v: float, samples: int) -> tuple[float, float]:
+    """How many cells one sample spans, across and down, in the middle of the print."""
+    p = H @ np.array([u, v, 1.0])
+    J = (H[:2, :2] * p[2] - np.outer(p[:2], H[2, :2])) / p[2] ** 2
+    return float(np.abs(J[0]).max()) / samples, float(np.abs(J[1]).max()) / samples
+
+
+def white_share(
+    print_: Print,
+    camera: DegradedCamera,
+    box: Box,
+    *,
+    samples: int | None = None,
+    motion: ArrayLike = (0.0, 0.0),
+    endless_paper: bool = False,
+) -> Array:
+    """The exposed box (height, width): 0 ink, 1 paper; blurred, without noise.
+
+    Args:
+        motion: path of the picture during the exposure [px].
+        endless_paper: no wall: the sheet never ends (what the estimator is told).
+    """
+    S = samples or samples_for(print_, camera)
+    path: Array = np.asarray(motion, dtype=np.float64)
+    border = math.ceil(4.0 * camera.blur_sd + 0.5 * float(np.linalg.norm(path))) + 1
+    black, white, wall = camera.levels
+    outside = 1.0 if endless_paper else (wall - black) / (white - black)
+    paper = 1e3 if endless_paper else camera.quiet_zone
+    fine = reflectance(print_, camera.K, box, S, paper, outside, border)
+    if np.any(path):
+        fine = cv2.filter2D(fine, -1, _line_kernel(np.multiply(path, float(S))), borderType=cv2.BORDER_REPLICATE)
+    if camera.blur_sd > 0.0:
+        size = 2 * math.ceil(5.0 * camera.blur_sd * S) + 1
+        fine = cv2.GaussianBlur(fine, (size, size), camera.blur_sd * S, borderType=cv2.BORDER_REPLICATE)
+    h, w = fine.shape
+    mean = fine.reshape(h // S, S, w // S, S).mean(axis=(1, 3), dtype=np.float64)
+    return mean[border:-border, border:-border]
+
+
+def _line_kernel(path: Array) -> NDArray[np.float32]:
+    """A line of this length and direction [samples], its mass spread bilinearly, centred."""
+    half = math.ceil(0.5 * float(np.abs(path).max())) + 1
+    kernel = np.zeros((2 * half + 1, 2 * half + 1), np.float64)
+    steps = 8 * half + 1
+    for t in (np.arange(steps) + 0.5) / steps - 0.5:
+        x, y = half + t * path[0], half + t * path[1]
+        i, j = math.floor(y), math.floor(x)
+        a, b = y - i, x - j
+        kernel[i : i + 2, j : j + 2] += np.outer([1.0 - a, a], [1.0 - b, b])
+    return np.asarray(kernel / kernel.sum(), dtype=np.float32)
+
+
+def clean_picture(prints: list[Print], camera: DegradedCamera, motion: ArrayLike = (0.0, 0.0)) -> NDArray[np.float32]:
+    """The whole picture (height, width) [grey levels] without noise: wall, and on it the sheets."""
+    picture = np.full((camera.image_height, camera.image_width), camera.wall, np.float32)
+    for print_ in prints:
+        box = box_of(print_, camera, camera.quiet_zone, 4.0 * camera.blur_sd + 1.0)
+        if box[0] >= box[2] or box[1] >= box[3]:
+            continue
+        black, white, _ = camera.levels
+        share = white_share(print_, camera, box, motion=motion)
+        picture[box[1] : box[3], box[0] : box[2]] = black + (white - black) * share
+    return picture
+
+
+def exposed(clean: NDArray[np.float32], noise_sd: float, random: np.random.Generator) -> Picture:
+    """With Gaussian noise, rounded and clipped to 8 bits."""
+    noise = random.standard_normal(clean.shape, dtype=np.float32)
+    return np.asarray(np.clip(np.rint(clean + noise_sd * noise), 0.0, 255.0), dtype=np.uint8)
+
+
+def moved(print_: Print, change: ArrayLike) -> Print:
+    """t' = t + d, R' = exp([w]x) R; change = (d, w), (6,) [m, rad]."""
+    d = np.asarray(change, float)
+    pose = print_.pose.copy()
+    pose[:3, :3] = cv2.Rodrigues(d[3:])[0] @ pose[:3, :3]
+    pose[:3, 3] += d[:3]
+    return replace(print_, pose=pose)

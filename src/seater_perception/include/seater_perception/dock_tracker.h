@@ -1,0 +1,45 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "seater_perception/dock_detector.h"
+
+namespace seater_perception {
+
+/// A DockDetector with a memory: after the first find, markers are looked for only near their predicted places. The
+/// whole picture is searched when nothing is known, when all have been lost, and at every `full_search_every`-th
+/// picture. Each picture has to show the code again: what is not seen is not reported. Results depend on the pictures
+/// and their order alone, never on time. Not thread-safe; use one per thread.
+class DockTracker {
+ public:
+  /// As DockDetector. Throws ConfigurationError.
+  DockTracker(const CameraModel& camera, const DockLayout& layout, const PerceptionParameters& parameters,
+              const CameraMount& mount);
+
+  /// As DockDetector::detect. `T_now_last`: pose of the last picture's optical frame in this one's (odometry); without
+  /// it, markers are expected to move on as between the last two pictures. Throws PictureError.
+  DetectionResult detect(const cv::Mat& grey, const std::optional<Eigen::Isometry3d>& T_now_last = std::nullopt);
+
+  /// Forgets all: the next picture is searched as a whole.
+  void reset();
+
+  const DockDetector& detector() const { return detector_; }
+
+ private:
+  using Corners = std::array<Eigen::Vector2d, 4>;
+
+  std::map<int, Corners> predict(const std::optional<Eigen::Isometry3d>& T_now_last) const;
+  std::optional<Corners> project(const Eigen::Isometry3d& T_optical_marker, double size) const;
+  std::vector<MarkerCorners> follow(const cv::Mat& grey, const std::map<int, Corners>& predicted,
+                                    std::vector<MarkerCorners> found) const;
+
+  DockDetector detector_;
+  TrackingParameters parameters_;
+  DetectionResult last_;
+  std::map<int, Corners> before_;  // of the picture before the last one
+  int since_full_search_ = 0;
+};
+
+}  // namespace seater_perception

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "seater_perception/marker_pattern.h"
+
+namespace seater_perception {
+
+/// Points of a print at which the picture is looked at: two along each cell and into the quiet zone, a quarter of a
+/// cell from the borders. Coordinates: x right, y down, the black square is -1 .. 1; row by row from the top.
+class PatternGrid {
+ public:
+  explicit PatternGrid(int cells);
+
+  int cells() const { return cells_; }
+  int along() const { return along_; }  ///< points along a side
+  int size() const { return along_ * along_; }
+  float x(int column) const { return at_[static_cast<std::size_t>(column)]; }
+  float y(int row) const { return at_[static_cast<std::size_t>(row)]; }
+  /// 0: quiet zone, 1: border, 2: within.
+  int ring(int row, int column) const;
+
+ private:
+  int cells_, along_;
+  std::vector<float> at_;
+};
+
+/// A pattern as a camera of a given blur sees it at the points of the grid, and how that changes when its corners move.
+/// The picture's samples are fitted linearly: offset, two slopes of the light, gain, and gain times eight motions of
+/// the plane (as S. Baker and I. Matthews, "Lucas-Kanade 20 years on", IJCV 2004, inverse compositional).
+class PatternTemplate {
+ public:
+  static constexpr int kColumns = 12, kGain = 3;
+  using Columns = Eigen::Matrix<float, Eigen::Dynamic, kColumns>;
+  using Triangle = Eigen::Matrix<double, kColumns, kColumns>;
+
+  /// `blur`: standard deviation [cells].
+  PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, double blur);
+
+  struct Fit {
+    double gain = 0.0;              ///< [grey levels] of white over black
+    double explained = 0.0;         ///< part of the variance, the light's slopes aside, that the pattern explains
+    std::array<double, 3> light{};  ///< offset and slopes along x, y [grey levels]
+    Eigen::Matrix<double, 8, 1> motion = Eigen::Matrix<double, 8, 1>::Zero();
+  };
+
+  /// Of samples, of which only those with weight 1 count (0: do not); nothing when they do not suffice. `weights` may
+  /// be null: all count. `moving`: with the motions, else without.
+  std::optional<Fit> fit(const Eigen::VectorXf& samples, const Eigen::VectorXf* weights, bool moving) const;
+
+  /// Where a motion takes a point of the print.
+  static Eigen::Vector2d moved(const Eigen::Matrix<double, 8, 1>& motion, const Eigen::Vector2d& point);
+
+  Eigen::VectorXf values() const { return columns_.col(kGain); }
+
+ private:
+  Columns columns_;
+  Triangle all_;  // Cholesky factor of columns' * columns
+};
+
+}  // namespace seater_perception

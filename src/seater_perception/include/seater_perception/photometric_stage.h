@@ -1,0 +1,39 @@
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "seater_perception/dock_pose.h"
+#include "seater_perception/photometric.h"
+
+namespace seater_perception {
+
+/// The patterns of a dictionary, made once per id.
+class PatternBook {
+ public:
+  explicit PatternBook(const std::string& dictionary) : dictionary_(dictionary) {}
+  const MarkerPattern& of(int id);
+
+ private:
+  std::string dictionary_;
+  std::map<int, MarkerPattern> patterns_;
+};
+
+/// Poses of a detected marker, fitted to the grey levels. Begins at all its hypotheses which the corners cannot tell
+/// apart; what remains is weighed by the photometric residual and the prior. Covariances are the fit's own. Corners
+/// become those of the best pose.
+///
+/// False, and the marker unchanged, when no fit converged or the pattern does not explain the picture.
+bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const MarkerPattern& pattern,
+                           const PhotometricRefiner& refiner, const PosePrior& prior, const PoseParameters& parameters,
+                           DetectedMarker& marker);
+
+/// One joint fit of the dock's pose over the markers of each hypothesis that rests on more than one. A hypothesis is
+/// left as it is when the fit does not converge, or explains the picture worse than the corners' accuracy allows:
+/// prints that hang some pixels beside their places.
+void refineBundle(const cv::Mat& grey, const CameraModel& camera, PatternBook& patterns,
+                  const PhotometricRefiner& refiner, const DockLayout& layout, const Eigen::Vector3d& up,
+                  const PoseParameters& parameters, const std::vector<DetectedMarker>& markers,
+                  std::vector<DockHypothesis>& dock);
+
+}  // namespace seater_perception

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "seater_perception/pattern_template.h"
+#include "seater_perception/quad_search.h"
+
+namespace seater_perception {
+
+/// A CV_8UC1 picture and its halvings, each pixel the mean of four. Holds no copy of the picture: it has to outlive
+/// this.
+class PictureLevels {
+ public:
+  explicit PictureLevels(const cv::Mat& grey);
+
+  const cv::Mat& grey() const { return levels_.front(); }
+
+  /// Grey levels under a quadrilateral (corners of the print's square: -1 -1, 1 -1, 1 1, -1 1) at the points of the
+  /// grid, from the level in which cells are 2 to 4 px wide, so that each sample stands for a part of its cell.
+  /// Bilinear. Weight 1; outside of the picture, and where the quadrilateral's plane is behind the camera, weight and
+  /// sample 0.
+  struct Samples {
+    Eigen::VectorXf grey, weights;
+    int seen = 0;
+    bool all() const { return seen == static_cast<int>(grey.size()); }
+  };
+  void sample(const Quad& quad, const PatternGrid& grid, Samples& samples) const;
+
+ private:
+  std::vector<cv::Mat> levels_;
+};
+
+/// The point of the quadrilateral's plane at (x, y) of the square -1 .. 1.
+class SquareToQuad {
+ public:
+  explicit SquareToQuad(const Quad& quad);
+  Eigen::Vector2d operator()(const Eigen::Vector2d& p) const { return (H_ * p.homogeneous()).hnormalized(); }
+  const Eigen::Matrix3d& matrix() const { return H_; }
+
+ private:
+  Eigen::Matrix3d H_;
+};
+
+double meanSide(const Quad& quad);
+
+}  // namespace seater_perception

@@ -1,0 +1,175 @@
+// Python module seater_perception: the library that the nodelet runs, for evaluation and tools. Long calls let other
+// threads run. Poses are 4x4 matrices, pictures (height, width) arrays of uint8 or uint16, points (n, 2) or (n, 3).
+
+#include "conversions.h"
+#include "seater_perception/dock_detector.h"
+#include "seater_perception/errors.h"
+#include "seater_perception/photometric.h"
+#if __has_include("seater_perception/dock_tracker.h")
+#include "seater_perception/dock_tracker.h"
+#define SEATER_HAS_TRACKER 1
+#endif
+
+namespace sp = seater_perception;
+namespace py = pybind11;
+using namespace pybind11::literals;
+using seater_python::asDict;
+using seater_python::picture;
+using seater_python::yaml;
+
+namespace {
+
+Eigen::MatrixXd cornersOf(const sp::MarkerCorners& marker) {
+  Eigen::MatrixXd corners(4, 2);
+  for (int i = 0; i < 4; ++i) corners.row(i) = marker.corners[static_cast<std::size_t>(i)].transpose();
+  return corners;
+}
+
+Eigen::MatrixXd project(const sp::CameraModel& camera, const Eigen::Matrix<double, Eigen::Dynamic, 3>& points) {
+  Eigen::MatrixXd pixels(points.rows(), 2);
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const auto pixel = camera.project(points.row(i).transpose());
+    pixels.row(i) = pixel.value_or(Eigen::Vector2d::Constant(std::nan(""))).transpose();
+  }
+  return pixels;
+}
+
+sp::PerceptionParameters parametersOf(const py::dict& values) {
+  return sp::loadPerceptionParameters(yaml(values), "perception");
+}
+
+void bindConfiguration(py::module_& m) {
+  py::class_<sp::Calibration>(m, "Calibration", "As sensor_msgs/CameraInfo holds it; nothing is checked here.")
+      .def(py::init([](int width, int height, const std::array<double, 9>& K, const std::vector<double>& D,
+                       const std::string& distortion_model, const std::array<double, 12>& P) {
+             return sp::Calibration{width, height, K, D, distortion_model, P};
+           }),
+           "width"_a, "height"_a, "K"_a, "D"_a, "distortion_model"_a = "plumb_bob", "P"_a = std::array<double, 12>{})
+      .def_readonly("width", &sp::Calibration::width)
+      .def_readonly("height", &sp::Calibration::height);
+  m.def("load_calibration", &sp::loadCalibration, "path"_a, "Reads a file of camera_calibration.");
+  py::class_<sp::CameraModel>(m, "CameraModel", "Pinhole camera; a pixel's centre has integer coordinates.")
+      .def_static("raw", &sp::CameraModel::raw, "calibration"_a)
+      .def_static("rectified", &sp::CameraModel::rectified, "calibration"_a)
+      .def("project", &project, "points"_a, "(n, 3) [m] in the optical frame -> (n, 2) [px]; NaN behind the camera")
+      .def_property_readonly("width", &sp::CameraModel::width)
+      .def_property_readonly("height", &sp::CameraModel::height);
+  py::class_<sp::DockLayout>(m, "DockLayout", "Dictionary, marker sizes and places.")
+      .def_readonly("dictionary", &sp::DockLayout::dictionary);
+  m.def(
+      "load_dock_layout", [](const py::dict& dock) { return sp::loadDockLayout(yaml(dock), "dock"); }, "dock"_a,
+      "Of the mapping of a dock file; these markers are known to stand upright.");
+  m.def("layout_of_equal_markers", &sp::layoutOfEqualMarkers, "dictionary"_a, "size"_a,
+        "Every marker has this side [m]; nothing is known of how they stand.");
+  m.def(
+      "default_parameters", [] { return asDict(sp::PerceptionParameters()); }, "As in config/perception.yaml.");
+  m.def("default_photometric_parameters", [] { return asDict(sp::PhotometricParameters()); });
+}
+
+void bindResults(py::module_& m) {
+  py::class_<sp::PoseHypothesis>(m, "PoseHypothesis", "One possible pose in the optical frame.")
+      .def_property_readonly("pose", [](const sp::PoseHypothesis& h) { return Eigen::Matrix4d(h.pose.matrix()); })
+      .def_readonly("covariance", &sp::PoseHypothesis::covariance,
+                    "6x6, x y z [m], rotation [rad]; t_true = t + d, R_true = exp([w]x) R")
+      .def_readonly("error", &sp::PoseHypothesis::error, "rms reprojection error [px]")
+      .def_readonly("weight", &sp::PoseHypothesis::weight);
+  py::class_<sp::DockHypothesis, sp::PoseHypothesis>(m, "DockHypothesis")
+      .def_readonly("marker_ids", &sp::DockHypothesis::marker_ids);
+  py::class_<sp::DetectedMarker>(m, "DetectedMarker")
+      .def_property_readonly("id", [](const sp::DetectedMarker& marker) { return marker.image.id; })
+      .def_property_readonly("corners", [](const sp::DetectedMarker& marker) { return cornersOf(marker.image); })
+      .def_readonly("size", &sp::DetectedMarker::size)
+      .def_readonly("ambiguity", &sp::DetectedMarker::ambiguity)
+      .def_readonly("hypotheses", &sp::DetectedMarker::hypotheses)
+#ifdef SEATER_HAS_TRACKER
+      .def_property_readonly("covariance", [](const sp::DetectedMarker& marker) { return marker.covariance(); })
+#else
+      .def_property_readonly("covariance", [](const sp::DetectedMarker& marker) { return marker.best().covariance; })
+#endif
+      ;
+  py::class_<sp::DetectionResult>(m, "DetectionResult")
+      .def_readonly("markers", &sp::DetectionResult::markers)
+      .def_readonly("dock", &sp::DetectionResult::dock)
+      .def_readonly("refused", &sp::DetectionResult::refused);
+}
+
+void bindDetector(py::module_& m) {
+  py::class_<sp::DockDetector>(m, "DockDetector", "Picture in, markers and dock out. One per thread.")
+      .def(py::init([](const sp::CameraModel& camera, const sp::DockLayout& layout, const py::dict& parameters) {
+             return std::make_unique<sp::DockDetector>(camera, layout, parametersOf(parameters), sp::CameraMount());
+           }),
+           "camera"_a, "layout"_a, "parameters"_a)
+      .def(
+          "detect",
+          [](const sp::DockDetector& detector, const py::array& image) {
+            const cv::Mat grey = picture(image);
+            const py::gil_scoped_release release;
+            return detector.detect(grey);
+          },
+          "image"_a);
+#ifdef SEATER_HAS_TRACKER
+  py::class_<sp::DockTracker>(m, "DockTracker", "The same for a sequence of pictures.")
+      .def(py::init([](const sp::CameraModel& camera, const sp::DockLayout& layout, const py::dict& parameters) {
+             return std::make_unique<sp::DockTracker>(camera, layout, parametersOf(parameters), sp::CameraMount());
+           }),
+           "camera"_a, "layout"_a, "parameters"_a)
+      .def(
+          "detect",
+          [](sp::DockTracker& tracker, const py::array& image) {
+            const cv::Mat grey = picture(image);
+            const py::gil_scoped_release release;
+            return tracker.detect(grey);
+          },
+          "image"_a)
+      .def("reset", &sp::DockTracker::reset);
+#endif
+}
+
+void bindPhotometric(py::module_& m) {
+  py::class_<sp::MarkerPattern>(m, "MarkerPattern", "The cells of a print.")
+      .def_static("from_dictionary", &sp::MarkerPattern::fromDictionary, "dictionary"_a, "id"_a)
+      .def_static("from_cells", &sp::MarkerPattern::fromCells, "rows_from_top"_a)
+      .def_property_readonly("cells", &sp::MarkerPattern::cells)
+      .def("at", &sp::MarkerPattern::at, "column"_a, "row"_a);
+  py::class_<sp::PatternPlacement>(m, "PatternPlacement", "A print and where it sits on the object.")
+      .def(py::init([](const sp::MarkerPattern& pattern, double size, const Eigen::Matrix4d& T) {
+             return sp::PatternPlacement{pattern, size, seater_python::pose(T)};
+           }),
+           "pattern"_a, "size"_a, "T_object_marker"_a = Eigen::Matrix4d(Eigen::Matrix4d::Identity()));
+  py::class_<sp::PhotometricResult>(m, "PhotometricResult")
+      .def_readonly("converged", &sp::PhotometricResult::converged)
+      .def_readonly("failure", &sp::PhotometricResult::failure)
+      .def_property_readonly("pose", [](const sp::PhotometricResult& r) { return Eigen::Matrix4d(r.pose.matrix()); })
+      .def_readonly("covariance", &sp::PhotometricResult::covariance)
+      .def_readonly("blur_sd", &sp::PhotometricResult::blur_sd)
+      .def_readonly("noise_sd", &sp::PhotometricResult::noise_sd)
+      .def_readonly("iterations", &sp::PhotometricResult::iterations);
+  py::class_<sp::PhotometricRefiner>(m, "PhotometricRefiner", "Fits the pose of prints to the grey levels.")
+      .def(py::init([](const py::dict& parameters) {
+             return sp::PhotometricRefiner(sp::loadStrict<sp::PhotometricParameters>(yaml(parameters), "photometric"));
+           }),
+           "parameters"_a)
+      .def(
+          "refine",
+          [](const sp::PhotometricRefiner& refiner, const py::array& image, const sp::CameraModel& camera,
+             const std::vector<sp::PatternPlacement>& placements, const Eigen::Matrix4d& initial) {
+            const cv::Mat grey = picture(image);
+            const Eigen::Isometry3d seed = seater_python::pose(initial);
+            const py::gil_scoped_release release;
+            return refiner.refine(grey, camera, placements, seed);
+          },
+          "image"_a, "camera"_a, "placements"_a, "initial"_a);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(seater_perception, m) {
+  m.doc() = "Markers in camera pictures and the pose of the dock (docs/perception.md).";
+  py::register_exception<sp::ConfigurationError>(m, "ConfigurationError", PyExc_ValueError);
+  py::register_exception<sp::CalibrationError>(m, "CalibrationError", PyExc_ValueError);
+  py::register_exception<sp::PictureError>(m, "PictureError", PyExc_ValueError);
+  bindConfiguration(m);
+  bindResults(m);
+  bindDetector(m);
+  bindPhotometric(m);
+}

@@ -1,0 +1,10 @@
+// Normal equations from columns of single precision.
+#pragma once
+
+namespace seater_perception {
+
+/// sum += upper triangle of the products of `size` columns of `n` numbers each (n a multiple of 16). Column k begins at
+/// columns + k * column_stride; the product of columns r and c goes to sum[r * sum_stride + c].
+void addColumnProducts(const float* columns, int column_stride, int n, int size, double* sum, int sum_stride);
+
+}  // namespace seater_perception

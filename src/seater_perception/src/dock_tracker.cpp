@@ -1,0 +1,102 @@
+#include "seater_perception/dock_tracker.h"
+
+#include <algorithm>
+
+#include "seater_perception/dock_layout.h"
+#include "seater_perception/image_checks.h"
+
+namespace seater_perception {
+namespace {
+
+double sideOf(const std::array<Eigen::Vector2d, 4>& corners) {
+  MarkerCorners marker;
+  marker.corners = corners;
+  return marker.side();
+}
+
+}  // namespace
+
+DockTracker::DockTracker(const CameraModel& camera, const DockLayout& layout, const PerceptionParameters& parameters,
+                         const CameraMount& mount)
+    : detector_(camera, layout, parameters, mount), parameters_(parameters.tracking) {}
+
+void DockTracker::reset() {
+  last_ = DetectionResult();
+  before_.clear();
+  since_full_search_ = 0;
+}
+
+std::optional<DockTracker::Corners> DockTracker::project(const Eigen::Isometry3d& T_optical_marker, double size) const {
+  const CameraModel& camera = detector_.camera();
+  const auto points = markerCorners(size);
+  Corners corners;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto pixel = camera.project(T_optical_marker * points[i]);
+    if (!pixel) return std::nullopt;
+    if (!(pixel->x() > 0.0 && pixel->y() > 0.0 && pixel->x() < camera.width() && pixel->y() < camera.height()))
+      return std::nullopt;
+    corners[i] = *pixel;
+  }
+  return corners;
+}
+
+std::map<int, DockTracker::Corners> DockTracker::predict(const std::optional<Eigen::Isometry3d>& T_now_last) const {
+  const Eigen::Isometry3d motion = T_now_last.value_or(Eigen::Isometry3d::Identity());
+  std::map<int, Corners> predicted;
+  // The dock tells where its other markers have to be.
+  if (!last_.dock.empty()) {
+    for (const auto& [id, marker] : detector_.layout().markers) {
+      const auto corners = project(motion * last_.dock.front().pose * marker.T_dock_marker(), marker.size);
+      if (corners && sideOf(*corners) >= detector_.parameters().detector.min_side) predicted[id] = *corners;
+    }
+  }
+  for (const DetectedMarker& marker : last_.markers) {
+    Corners corners = marker.image.corners;
+    const auto earlier = before_.find(marker.image.id);
+    if (T_now_last) {
+      const auto moved = project(motion * marker.best().pose, marker.size);
+      if (!moved) continue;
+      corners = *moved;
+    } else if (earlier != before_.end()) {
+      for (std::size_t i = 0; i < 4; ++i) corners[i] += marker.image.corners[i] - earlier->second[i];
+    }
+    predicted[marker.image.id] = corners;
+  }
+  return predicted;
+}
+
+std::vector<MarkerCorners> DockTracker::follow(const cv::Mat& grey, const std::map<int, Corners>& predicted,
+                                               std::vector<MarkerCorners> found) const {
+  for (const auto& [id, corners] : predicted) {
+    const int wanted = id;
+    const auto is_it = [wanted](const MarkerCorners& m) { return m.id == wanted; };
+    if (std::any_of(found.begin(), found.end(), is_it)) continue;
+    const double reach = std::max(parameters_.margin_min, parameters_.margin * sideOf(corners));
+    if (const auto marker = detector_.markerDetector().follow(grey, id, corners, reach, parameters_.min_correlation))
+      found.push_back(*marker);
+  }
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  return found;
+}
+
+DetectionResult DockTracker::detect(const cv::Mat& grey, const std::optional<Eigen::Isometry3d>& T_now_last) {
+  checkPicture(grey, detector_.camera());
+  const auto predicted = parameters_.enabled ? predict(T_now_last) : std::map<int, Corners>();
+  DetectionResult result;
+  result.full_search = true;
+  if (!predicted.empty() && since_full_search_ + 1 < parameters_.full_search_every) {
+    result = detector_.evaluate(grey, follow(grey, predicted, {}));
+    result.full_search = result.markers.empty();
+  }
+  if (result.full_search) {
+    result = detector_.evaluate(grey, follow(grey, predicted, detector_.markerDetector().detect(grey)));
+    result.full_search = true;
+  }
+  since_full_search_ = result.full_search ? 0 : since_full_search_ + 1;
+  before_.clear();
+  for (const DetectedMarker& m : last_.markers) before_[m.image.id] = m.image.corners;
+  last_ = result;
+  return result;
+}
+
+}  // namespace seater_perception

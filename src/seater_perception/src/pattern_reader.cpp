@@ -1,0 +1,123 @@
+#include "seater_perception/pattern_reader.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "seater_perception/pattern_alignment.h"
+#include "seater_perception/template_book.h"
+
+namespace seater_perception {
+namespace {
+
+constexpr std::size_t kCandidates = 3;   // codes that are fitted
+constexpr double kClearlyBetter = 0.12;  // of correlation: a code so much less likely than the best is not
+constexpr double kWorthFitting = 0.5;    // correlation before the fit
+// What true markers and pictures without markers reach: docs/perception.md.
+constexpr double kSmallestMargin = 0.045;                 // of correlation, over the next best code
+constexpr double kLargestBitError = 0.55;                 // of what turns a bit round
+constexpr double kHopeless = 0.2;                         // part explained after some steps
+constexpr double kGridStep = 0.5, kMostGridSteps = 10.0;  // [cells] and number: search for a code alone
+
+/// The print's corners of a quadrilateral whose first corner is the print's corner `turn`.
+Quad printed(const Quad& quad, int turn) {
+  Quad corners;
+  for (std::size_t j = 0; j < 4; ++j) corners[j] = quad[(j + 4 - static_cast<std::size_t>(turn)) % 4];
+  return corners;
+}
+
+}  // namespace
+
+struct PatternReader::Implementation {
+  Implementation(const std::string& dictionary, const std::set<int>& ids) : book(dictionary, ids), aligner(book) {}
+
+  TemplateBook book;
+  PatternAligner aligner;
+
+  std::optional<PatternReading> judge(double min_correlation, const Alignment& a) const;
+  std::optional<PatternReading> settle(const PictureLevels& picture, double min_correlation, Alignment& a) const;
+};
+
+/// Code, margin and bits of an aligned pattern.
+std::optional<PatternReading> PatternReader::Implementation::judge(double min_correlation, const Alignment& a) const {
+  PatternReading reading;
+  reading.id = a.id;
+  reading.corners = a.quad;
+  reading.correlation = std::sqrt(std::max(0.0, a.fit.explained));
+  if (reading.correlation < min_correlation || !aligner.hasBorder(a.samples)) return std::nullopt;
+  reading.worst_bit = aligner.worstBit(a);
+  if (!(reading.worst_bit < kLargestBitError)) return std::nullopt;
+  const auto likely = book.compare(a.samples, a.blur, 2);
+  if (likely.empty() || likely[0].id != a.id || likely[0].turn != 0) return std::nullopt;
+  reading.margin = likely.size() > 1 ? likely[0].correlation - likely[1].correlation : 1.0;
+  if (reading.margin < kSmallestMargin) return std::nullopt;
+  return reading;
+}
+
+/// Fits and judges; when it fails, once more without what covers the print.
+std::optional<PatternReading> PatternReader::Implementation::settle(const PictureLevels& picture,
+                                                                    double min_correlation, Alignment& a) const {
+  const auto reading = judge(min_correlation, a);
+  if (reading || !aligner.leaveOutCovered(a)) return reading;
+  return aligner.align(picture, a) ? judge(min_correlation, a) : std::nullopt;
+}
+
+PatternReader::PatternReader(const std::string& dictionary, const std::set<int>& ids)
+    : implementation_(new Implementation(dictionary, ids)) {}
+PatternReader::~PatternReader() = default;
+PatternReader::PatternReader(PatternReader&&) noexcept = default;
+
+int PatternReader::cells() const {
+  return implementation_->book.grid().cells();
+}
+
+std::optional<PatternReading> PatternReader::read(const PictureLevels& picture, const Quad& quad,
+                                                  double min_correlation) const {
+  const Implementation& self = *implementation_;
+  Alignment start;
+  start.quad = quad;
+  if (!self.aligner.look(picture, start) || !self.aligner.hasBorder(start.samples)) return std::nullopt;
+  const auto likely = self.book.compare(start.samples, Alignment::kStartBlur, kCandidates);
+  std::optional<Alignment> best;
+  for (const auto& candidate : likely) {
+    if (candidate.correlation < std::max(kWorthFitting, likely[0].correlation - kClearlyBetter)) break;
+    Alignment a;
+    a.id = candidate.id;
+    a.quad = printed(quad, candidate.turn);
+    if (self.aligner.align(picture, a) && (!best || a.fit.explained > best->fit.explained)) best = a;
+  }
+  if (!best) return std::nullopt;
+  return self.settle(picture, min_correlation, *best);
+}
+
+std::optional<PatternReading> PatternReader::follow(int id, const PictureLevels& picture, const Quad& corners,
+                                                    double reach, double min_correlation) const {
+  const Implementation& self = *implementation_;
+  if (!self.book.has(id)) return std::nullopt;
+  Alignment a;
+  a.id = id;
+  a.quad = corners;
+  if (self.aligner.align(picture, a)) {
+    const auto reading = self.judge(min_correlation, a);
+    if (reading) return reading;
+  }
+  const double step = std::max(1.0, kGridStep * meanSide(corners) / self.book.grid().cells());
+  const int steps = static_cast<int>(std::min(kMostGridSteps, reach / step));
+  const PatternTemplate& pattern = self.book.of(id, Alignment::kStartBlur);
+  Alignment best = a;
+  best.fit.explained = 0.0;
+  for (int y = -steps; y <= steps; ++y) {
+    for (int x = -steps; x <= steps; ++x) {
+      Alignment there;
+      there.id = id;
+      there.quad = corners;
+      for (auto& c : there.quad) c += step * Eigen::Vector2d(x, y);
+      if (!self.aligner.look(picture, there)) continue;
+      const auto fit = pattern.fit(there.samples.grey, there.weights(), false);
+      if (fit && fit->gain > 0.0 && fit->explained > best.fit.explained) best = there, best.fit = *fit;
+    }
+  }
+  if (best.fit.explained < kHopeless || !self.aligner.align(picture, best)) return std::nullopt;
+  return self.settle(picture, min_correlation, best);
+}
+
+}  // namespace seater_perception

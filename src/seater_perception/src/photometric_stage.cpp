@@ -1,0 +1,206 @@
+#include "seater_perception/photometric_stage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/core.hpp>
+
+#include "seater_perception/dock_layout.h"
+
+namespace seater_perception {
+namespace {
+
+constexpr double kClearlyWorse = 15.0;     // of chi-squared: the corners have decided
+constexpr double kSideForDecision = 40.0;  // [px] smaller markers' corners do not decide
+// Part of the picture's variance that the pattern has to explain: a small marker has to be proved by it, a large one
+// has been read bit by bit and may be partly covered.
+constexpr double kExplainedSmall = 0.9, kExplainedLarge = 0.85;
+constexpr double kLargeSide = 40.0;                         // [px]
+constexpr double kBeyondScale = 0.15, kLargestBlur = 0.95;  // of the range of grey levels; of a cell
+constexpr double kClipped = 0.05;                            // share of the pixels
+constexpr double kLargestGap = 0.3;  // [px] rms, between a marker's own corners and those of the joint pose
+
+/// Seeds that the corners cannot tell apart.
+std::vector<Eigen::Isometry3d> openSeeds(const DetectedMarker& marker) {
+  double smallest = marker.hypotheses.front().chi_squared;
+  for (const auto& h : marker.hypotheses) smallest = std::min(smallest, h.chi_squared);
+  std::vector<Eigen::Isometry3d> seeds;
+  for (const auto& h : marker.hypotheses) {
+    const bool decided = marker.image.edges_fitted && marker.image.side() > kSideForDecision;
+    if (!decided || h.chi_squared - smallest < kClearlyWorse) seeds.push_back(h.pose);
+  }
+  return seeds;
+}
+
+/// Grey levels that the sensor could have seen, and a blur that leaves cells to be told apart.
+bool plausible(const PhotometricResult& result, double side, int cells, double full_scale) {
+  // Where the picture is clipped, the sensor does not know how dark or light it would have been.
+  const auto beyond = [full_scale](double clipped) { return (clipped > kClipped ? 1.0 : kBeyondScale) * full_scale; };
+  const double least = -beyond(result.clipped_low), most = full_scale + beyond(result.clipped_high);
+  for (const Brightness& b : result.brightness) {
+    if (b.used && (b.offset < least || b.offset + b.gain > most)) return false;
+  }
+  return result.blur_sd < kLargestBlur * side / cells;
+}
+
+bool explains(const PhotometricResult& result, double smallest) {
+  return result.converged && result.explained > smallest;
+}
+
+/// Distinct results as hypotheses; chi_squared counts from the best one.
+std::vector<PoseHypothesis> distinct(const std::vector<PhotometricBranch>& branches, double smallest) {
+  std::vector<PoseHypothesis> hypotheses;
+  double best = std::numeric_limits<double>::infinity();
+  for (const auto& b : branches) best = explains(b.result, smallest) ? std::min(best, b.chi_square) : best;
+  for (const auto& b : branches) {
+    if (!explains(b.result, smallest)) continue;
+    const auto same = [&](const PoseHypothesis& h) {
+      const double turn = Eigen::AngleAxisd(h.pose.linear().transpose() * b.result.pose.linear()).angle();
+      return turn < 0.5 * std::sqrt(b.result.covariance.bottomRightCorner<3, 3>().trace());
+    };
+    if (std::any_of(hypotheses.begin(), hypotheses.end(), same)) continue;
+    PoseHypothesis h;
+    h.pose = b.result.pose;
+    h.covariance = b.result.covariance;
+    h.chi_squared = b.chi_square - best;
+    hypotheses.push_back(h);
+  }
+  return hypotheses;
+}
+
+/// Adds what camera and print may deviate from the model: as if corners were uncertain by it.
+void addModelError(const CameraModel& camera, Correspondences corners, double sigma,
+                   std::vector<PoseHypothesis>& hypotheses) {
+  if (!(sigma > 0.0)) return;
+  for (double& s : corners.sigma) s = sigma;
+  for (auto& h : hypotheses) {
+    if (const auto covariance = poseCovariance(camera, corners, h.pose)) h.covariance += *covariance;
+  }
+}
+
+void weighByPrior(std::vector<PoseHypothesis>& hypotheses, const PosePrior& prior, double tilt_sigma) {
+  std::vector<double> cost;
+  for (const auto& h : hypotheses) cost.push_back(h.chi_squared + tiltCost(h, prior, tilt_sigma));
+  const double best = *std::min_element(cost.begin(), cost.end());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < cost.size(); ++i) sum += hypotheses[i].weight = std::exp(-0.5 * (cost[i] - best));
+  for (auto& h : hypotheses) h.weight /= sum;
+  std::stable_sort(hypotheses.begin(), hypotheses.end(),
+                   [](const PoseHypothesis& a, const PoseHypothesis& b) { return a.weight > b.weight; });
+}
+
+/// Largest rms distance between the corners of a marker as it was seen and as the dock's pose has them [px]. `all`
+/// gathers the corners of the markers that are part of it.
+double gap(const CameraModel& camera, const DockLayout& layout, const std::vector<DetectedMarker>& markers,
+           const std::vector<int>& ids, const Eigen::Isometry3d& T_optical_dock, Correspondences& all) {
+  double largest = 0.0;
+  all = Correspondences();
+  for (const DetectedMarker& m : markers) {
+    const auto place = layout.markers.find(m.image.id);
+    if (place == layout.markers.end() || !std::count(ids.begin(), ids.end(), m.image.id)) continue;
+    Correspondences seen;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Eigen::Vector3d corner = place->second.T_dock_marker() * markerCorners(m.size)[i];
+      if (!seen.add(corner, m.image.corners[i], 1.0, camera)) return std::numeric_limits<double>::infinity();
+    }
+    largest = std::max(largest, reprojectionError(camera, seen, T_optical_dock));
+    all.append(seen);
+  }
+  return largest;
+}
+
+}  // namespace
+
+const MarkerPattern& PatternBook::of(int id) {
+  const auto known = patterns_.find(id);
+  if (known != patterns_.end()) return known->second;
+  return patterns_.emplace(id, MarkerPattern::fromDictionary(dictionary_, id)).first->second;
+}
+
+bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const MarkerPattern& pattern,
+                           const PhotometricRefiner& refiner, const PosePrior& prior, const PoseParameters& parameters,
+                           DetectedMarker& marker) {
+  const std::vector<PatternPlacement> placement{{pattern, marker.size, Eigen::Isometry3d::Identity()}};
+  const auto seeds = openSeeds(marker);
+  const double explained = marker.image.side() < kLargeSide ? kExplainedSmall : kExplainedLarge;
+  const double blur = marker.image.edges_fitted ? marker.image.blur_sd : 0.0;
+  const double full_scale = grey.depth() == CV_16U ? 65535.0 : 255.0;
+  const auto fit = [&](double known_blur) {
+    auto branches = refiner.refineBranches(grey, camera, placement, seeds, known_blur);
+    for (auto& b : branches) {
+      b.result.converged = b.result.converged && plausible(b.result, marker.image.side(), pattern.cells(), full_scale);
+    }
+    return distinct(branches, explained);
+  };
+  auto hypotheses = fit(blur);
+  if (hypotheses.empty() && blur > 0.0) hypotheses = fit(0.0);
+  if (hypotheses.empty()) return false;
+  Correspondences seen;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!seen.add(markerCorners(marker.size)[i], marker.image.corners[i], 1.0, camera)) return false;
+  }
+  addModelError(camera, seen, parameters.model_sigma, hypotheses);
+  weighByPrior(hypotheses, prior, parameters.tilt_sigma);
+  std::array<Eigen::Vector2d, 4> corners;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto pixel = camera.project(hypotheses.front().pose * markerCorners(marker.size)[i]);
+    if (!pixel) return false;
+    corners[i] = *pixel;
+  }
+  for (auto& h : hypotheses) h.error = reprojectionError(camera, seen, h.pose);
+  marker.hypotheses = hypotheses;
+  marker.image.corners = corners;
+  marker.image.edges_fitted = true;
+  marker.ambiguity = 0.0;
+  if (hypotheses.size() > 1) {
+    marker.ambiguity = std::exp(std::min(5.0, 0.5 * (hypotheses[0].chi_squared - hypotheses[1].chi_squared)));
+  }
+  return true;
+}
+
+void refineBundle(const cv::Mat& grey, const CameraModel& camera, PatternBook& patterns,
+                  const PhotometricRefiner& refiner, const DockLayout& layout, const Eigen::Vector3d& up,
+                  const PoseParameters& parameters, const std::vector<DetectedMarker>& markers,
+                  std::vector<DockHypothesis>& dock) {
+  if (dock.empty() || dock.front().marker_ids.size() < 2) return;
+  for (const auto& h : dock) {
+    if (h.marker_ids != dock.front().marker_ids) return;  // they contradict each other
+  }
+  std::vector<PatternPlacement> placements;
+  for (const int id : dock.front().marker_ids) {
+    const DockMarker& m = layout.markers.at(id);
+    placements.push_back({patterns.of(id), m.size, m.T_dock_marker()});
+  }
+  std::vector<Eigen::Isometry3d> seeds;
+  for (const auto& h : dock) seeds.push_back(h.pose);
+  double blur = 0.0, fitted = 0.0;
+  for (const DetectedMarker& m : markers) {
+    if (m.image.blur_sd > 0.0) blur += m.image.blur_sd, fitted += 1.0;
+  }
+  const auto branches = refiner.refineBranches(grey, camera, placements, seeds,
+                                               fitted > 0.0 ? blur / fitted : refiner.parameters().blur_sd);
+  auto hypotheses = distinct(branches, kExplainedLarge);
+  const auto ids = dock.front().marker_ids;
+  Correspondences corners;
+  hypotheses.erase(
+      std::remove_if(hypotheses.begin(), hypotheses.end(),
+                     [&](const auto& h) { return gap(camera, layout, markers, ids, h.pose, corners) > kLargestGap; }),
+      hypotheses.end());
+  if (hypotheses.empty()) return;
+  addModelError(camera, corners, parameters.model_sigma, hypotheses);
+  PosePrior prior;
+  prior.up = up;
+  prior.object_up = Eigen::Vector3d::UnitZ();
+  weighByPrior(hypotheses, prior, parameters.tilt_sigma);
+  const double error = dock.front().error;
+  dock.clear();
+  for (const auto& h : hypotheses) {
+    DockHypothesis d;
+    static_cast<PoseHypothesis&>(d) = h;
+    d.error = error;
+    d.marker_ids = ids;
+    dock.push_back(d);
+  }
+}
+
+}  // namespace seater_perception

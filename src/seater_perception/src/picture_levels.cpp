@@ -1,0 +1,81 @@
+#include "seater_perception/picture_levels.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace seater_perception {
+namespace {
+
+constexpr double kSmallestCell = 2.2;  // [px] of the level that is looked at
+constexpr int kMostLevels = 8, kSmallestLevel = 24;
+constexpr float kNearestPlane = 0.05f;  // of the homography's third coordinate
+
+}  // namespace
+
+PictureLevels::PictureLevels(const cv::Mat& grey) {
+  levels_.push_back(grey);
+  while (levels_.size() < kMostLevels && std::min(levels_.back().cols, levels_.back().rows) >= 2 * kSmallestLevel) {
+    const cv::Mat& finer = levels_.back();
+    const cv::Rect even(0, 0, finer.cols / 2 * 2, finer.rows / 2 * 2);
+    cv::Mat coarser;
+    cv::resize(finer(even), coarser, cv::Size(even.width / 2, even.height / 2), 0, 0, cv::INTER_AREA);
+    levels_.push_back(coarser);
+  }
+}
+
+// Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989: the unit square to a quadrilateral.
+SquareToQuad::SquareToQuad(const Quad& q) {
+  const Eigen::Vector2d d1 = q[1] - q[2], d2 = q[3] - q[2], s = q[0] - q[1] + q[2] - q[3];
+  const double det = d1.x() * d2.y() - d1.y() * d2.x();
+  const double g = (s.x() * d2.y() - s.y() * d2.x()) / det, h = (d1.x() * s.y() - d1.y() * s.x()) / det;
+  Eigen::Matrix3d unit, centred;
+  unit.col(0) << q[1] - q[0] + g * q[1], g;
+  unit.col(1) << q[3] - q[0] + h * q[3], h;
+  unit.col(2) << q[0], 1.0;
+  centred << 0.5, 0.0, 0.5, 0.0, 0.5, 0.5, 0.0, 0.0, 1.0;
+  H_ = unit * centred;
+}
+
+double meanSide(const Quad& q) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) sum += (q[(i + 1) % 4] - q[i]).norm();
+  return 0.25 * sum;
+}
+
+void PictureLevels::sample(const Quad& quad, const PatternGrid& grid, Samples& samples) const {
+  std::size_t level = 0;
+  const double cell = meanSide(quad) / grid.cells();
+  while (level + 1 < levels_.size() && cell >= 2.0 * kSmallestCell * (1 << level)) ++level;
+  const cv::Mat& picture = levels_[level];
+  const double scale = 1.0 / (1 << level);
+  Eigen::Matrix3d to_level;
+  to_level << scale, 0.0, 0.5 * scale - 0.5, 0.0, scale, 0.5 * scale - 0.5, 0.0, 0.0, 1.0;
+  const Eigen::Matrix3f H = (to_level * SquareToQuad(quad).matrix()).cast<float>();
+  samples.grey.setZero(grid.size());
+  samples.weights.setZero(grid.size());
+  samples.seen = 0;
+  const float last_u = static_cast<float>(picture.cols) - 1.0f, last_v = static_cast<float>(picture.rows) - 1.0f;
+  for (int row = 0, i = 0; row < grid.along(); ++row) {
+    const Eigen::Vector3f across = H.col(1) * grid.y(row) + H.col(2);
+    for (int column = 0; column < grid.along(); ++column, ++i) {
+      const Eigen::Vector3f p = H.col(0) * grid.x(column) + across;
+      if (!(p.z() > kNearestPlane)) continue;
+      float u = p.x() / p.z(), v = p.y() / p.z();
+      if (!(u >= -0.5f && v >= -0.5f && u <= last_u + 0.5f && v <= last_v + 0.5f)) continue;
+      u = std::clamp(u, 0.0f, last_u);
+      v = std::clamp(v, 0.0f, last_v);
+      const int x = std::min(static_cast<int>(u), picture.cols - 2),
+                y = std::min(static_cast<int>(v), picture.rows - 2);
+      const float s = u - static_cast<float>(x), t = v - static_cast<float>(y);
+      const uchar *top = picture.ptr<uchar>(y) + x, *below = picture.ptr<uchar>(y + 1) + x;
+      const float a = top[0] + s * (top[1] - top[0]), b = below[0] + s * (below[1] - below[0]);
+      samples.grey[i] = a + t * (b - a);
+      samples.weights[i] = 1.0f;
+      ++samples.seen;
+    }
+  }
+}
+
+}  // namespace seater_perception

@@ -1,0 +1,105 @@
+// Plain markers, frontal, turned and tilted, at whole and broken places, of every size: all have to be found.
+
+#include <gtest/gtest.h>
+
+#include "scene.h"
+#include "seater_perception/marker_pose.h"
+
+using namespace seater_perception;
+
+namespace {
+
+/// Frontal, its sides along the pixels, drawn on the pixel grid: `side` whole pixels at (x, y).
+cv::Mat onThePixelGrid(int id, int side, int x, int y, double blur) {
+  cv::Mat picture(720, 1280, CV_8U, cv::Scalar(215)), print;
+  cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50)->drawMarker(id, side, print);
+  for (int row = 0; row < side; ++row) {
+    for (int column = 0; column < side; ++column)
+      picture.at<uchar>(y + row, x + column) = print.at<uchar>(row, column) > 127 ? 215 : 40;
+  }
+  if (blur > 0.0) cv::GaussianBlur(picture, picture, cv::Size(), blur);
+  return picture;
+}
+
+}  // namespace
+
+// Near the exactly frontal square, where a tilt is the square root of rounding errors (1e-8), OpenCV's solutions are
+// wrong.
+TEST(SquareSolutions, areRightForEveryTurnOfAFrontalSquare) {
+  const Calibration c = scene::calibration();
+  const CameraModel camera = CameraModel::raw(c);
+  for (const double roll : {0.0, 0.3, 0.5 * M_PI, 2.0, M_PI, -0.5 * M_PI, -0.25 * M_PI}) {
+    for (const double yaw : {0.0, 1e-7, 0.4}) {
+      for (const double x : {0.0, -0.0666666666666667}) {
+        const scene::Print print{3, 0.1, scene::upright({x, 0.0, 0.533333333333333}, yaw, 0.0, roll)};
+        MarkerCorners seen;
+        seen.corners = scene::trueCorners(c, print);
+        const auto points = markerCorrespondences(camera, seen, print.size, PoseParameters());
+        ASSERT_TRUE(points);
+        double nearest = 1e9;
+        for (const auto& pose : squareSolutions(*points)) {
+          nearest = std::min(nearest, (pose.matrix() - print.T_optical_marker.matrix()).cwiseAbs().maxCoeff());
+        }
+        EXPECT_LT(nearest, 3e-4) << "roll " << roll << ", yaw " << yaw << ", x " << x;
+        EXPECT_TRUE(estimateMarker(camera, seen, print.size, PosePrior(), PoseParameters()));
+      }
+    }
+  }
+}
+
+TEST(PlainMarkers, onThePixelGridAreFoundWhereTheyAre) {
+  const DockDetector detector(CameraModel::raw(scene::calibration()), layoutOfEqualMarkers("DICT_4X4_50", 0.1),
+                              PerceptionParameters(), CameraMount());
+  for (const int side : {18, 24, 30, 36, 48, 60, 96, 120, 126, 180, 240, 300, 420, 600}) {
+    for (const double blur : {0.8, 1.3}) {
+      const int id = (3 * side) % 50, x = 500 - side / 3, y = std::min(300, 700 - side);
+      const auto result = detector.detect(onThePixelGrid(id, side, x, y, blur));
+      EXPECT_EQ(result.refused, 0) << side << " px, blur " << blur;
+      EXPECT_EQ(result.markers.size(), 1u) << side << " px, blur " << blur;
+      if (result.markers.size() != 1u) continue;
+      EXPECT_EQ(result.markers[0].image.id, id);
+      const double left = x - 0.5, top = y - 0.5, right = left + side, bottom = top + side;
+      const std::array<Eigen::Vector2d, 4> truth{Eigen::Vector2d(left, top), Eigen::Vector2d(right, top),
+                                                 Eigen::Vector2d(right, bottom), Eigen::Vector2d(left, bottom)};
+      for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_LT((result.markers[0].image.corners[i] - truth[i]).norm(), 0.1) << side << " px, blur " << blur;
+      }
+    }
+  }
+}
+
+TEST(PlainMarkers, turnedAndTiltedAreFound) {
+  const Calibration c = scene::calibration();
+  const DockDetector detector(CameraModel::raw(c), layoutOfEqualMarkers("DICT_4X4_50", 0.1), PerceptionParameters(),
+                              CameraMount());
+  int number = 0;
+  for (const double side : {12.0, 14.3, 17.0, 22.5, 31.0, 45.0, 70.0, 126.0, 250.0, 400.0, 600.0}) {
+    for (const double tilt : {0.0, 0.3, 0.7}) {
+      for (const double roll : {0.0, 0.4, M_PI}) {
+        for (const double noise : {0.0, 3.0}) {
+          if (tilt > 0.5 && (side < 20.0 || side > 400.0)) continue;  // too small, too large for the picture
+          if (side > 450.0 && roll == 0.4) continue;                  // does not fit into the picture
+          ++number;
+          const double z = 640.0 * 0.1 / side, off = side > 300.0 ? 0.01 : 0.2;
+          const scene::Print print{(7 * number) % 50, 0.1,
+                                   scene::upright({off * z, -0.3 * off * z, z}, tilt, 0.2 * tilt, roll)};
+          scene::Look look;
+          look.noise = noise;
+          const auto result =
+              detector.detect(scene::draw(c, "DICT_4X4_50", {print}, look, static_cast<unsigned>(number)));
+          const auto what = [&] {
+            return std::to_string(side) + " px, tilt " + std::to_string(tilt) + ", roll " + std::to_string(roll) +
+                   ", noise " + std::to_string(noise);
+          };
+          EXPECT_EQ(result.refused, 0) << what();
+          EXPECT_EQ(result.markers.size(), 1u) << what();
+          if (result.markers.size() != 1u) continue;
+          EXPECT_EQ(result.markers[0].image.id, print.id) << what();
+          const auto truth = scene::trueCorners(c, print);
+          for (std::size_t i = 0; i < 4; ++i)
+            EXPECT_LT((result.markers[0].image.corners[i] - truth[i]).norm(), 0.25) << what();
+        }
+      }
+    }
+  }
+}

@@ -1,0 +1,104 @@
+"""The Python binding: what goes in comes out, wrong input is refused, other threads run meanwhile."""
+
+import threading
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import yaml
+
+import seater_perception as sp
+
+CONFIG = Path(__file__).resolve().parents[3] / "config"
+F, CX, CY = 640.0, 639.5, 359.5
+
+
+def camera() -> sp.CameraModel:
+    return sp.CameraModel.raw(sp.load_calibration(str(CONFIG / "cameras" / "d455.yaml")))
+
+
+def picture(size: int = 126, at: tuple[int, int] = (500, 300)) -> np.ndarray:
+    """Marker 3 of DICT_4X4_50, frontal, `size` pixels wide, its first pixel at `at`."""
+    image = np.full((720, 1280), 215, np.uint8)
+    print_ = cv2.aruco.drawMarker(cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50), 3, size)
+    image[at[1] : at[1] + size, at[0] : at[0] + size] = np.where(print_ > 127, 215, 40)
+    return cv2.GaussianBlur(image, (0, 0), 0.8)
+
+
+def test_detects_a_marker_where_it_is() -> None:
+    detector = sp.DockDetector(camera(), sp.layout_of_equal_markers("DICT_4X4_50", 0.1), sp.default_parameters())
+    (marker,) = detector.detect(picture()).markers
+    assert marker.id == 3
+    # The first pixel's outer edge is half a pixel before its centre.
+    expected = np.array([[499.5, 299.5], [625.5, 299.5], [625.5, 425.5], [499.5, 425.5]])
+    assert np.abs(marker.corners - expected).max() < 0.1
+    pose = marker.hypotheses[0].pose
+    z = F * 0.1 / 126
+    assert pose.shape == (4, 4)
+    assert pose[:3, 3] == pytest.approx([(562.5 - CX) * z / F, (362.5 - CY) * z / F, z], abs=1e-3)
+    assert marker.hypotheses[0].covariance.shape == (6, 6)
+    assert np.all(np.linalg.eigvalsh(marker.covariance) > 0.0)
+    assert sum(h.weight for h in marker.hypotheses) == pytest.approx(1.0)
+
+
+def test_projection() -> None:
+    pixels = camera().project(np.array([[0.1, -0.2, 2.0], [0.0, 0.0, -1.0]]))
+    assert pixels[0] == pytest.approx([CX + 32.0, CY - 64.0])
+    assert np.isnan(pixels[1]).all()
+
+
+def test_photometric_refinement_finds_back_from_a_wrong_start() -> None:
+    refiner = sp.PhotometricRefiner(sp.default_photometric_parameters())
+    pattern = sp.MarkerPattern.from_dictionary("DICT_4X4_50", 3)
+    z = F * 0.1 / 126
+    start = np.diag([1.0, -1.0, -1.0, 1.0])  # marker facing the camera
+    start[:3, 3] = [(562.5 - CX) * z / F + 0.0005, (362.5 - CY) * z / F, 1.004 * z]
+    result = refiner.refine(picture(), camera(), [sp.PatternPlacement(pattern, 0.1)], start)
+    assert result.converged, result.failure
+    assert result.pose[:3, 3] == pytest.approx([(562.5 - CX) * z / F, (362.5 - CY) * z / F, z], abs=3e-4)
+
+
+def test_files_of_the_configuration_are_read() -> None:
+    parameters = yaml.safe_load((CONFIG / "perception.yaml").read_text())
+    layout = sp.load_dock_layout(yaml.safe_load((CONFIG / "docks" / "default.yaml").read_text()))
+    assert parameters.keys() == sp.default_parameters().keys()
+    assert sp.DockDetector(camera(), layout, parameters).detect(picture()).markers == []
+
+
+@pytest.mark.parametrize("value", ["12", 1e9, None, [1]])
+def test_wrong_parameter_is_named(value: object) -> None:
+    parameters = sp.default_parameters()
+    parameters["detector"]["min_side"] = value
+    with pytest.raises(sp.ConfigurationError, match="perception/detector/min_side"):
+        sp.DockDetector(camera(), sp.layout_of_equal_markers("DICT_4X4_50", 0.1), parameters)
+
+
+def test_wrong_pictures_are_refused() -> None:
+    detector = sp.DockDetector(camera(), sp.layout_of_equal_markers("DICT_4X4_50", 0.1), sp.default_parameters())
+    with pytest.raises(sp.PictureError):
+        detector.detect(np.zeros((480, 640), np.uint8))
+    for wrong in (np.zeros((720, 1280), np.float32), np.zeros((720, 1280, 3), np.uint8), picture()[:, ::2]):
+        with pytest.raises(TypeError, match="picture"):
+            detector.detect(wrong)
+
+
+def test_other_threads_run_during_a_detection() -> None:
+    detector = sp.DockDetector(camera(), sp.layout_of_equal_markers("DICT_4X4_50", 0.1), sp.default_parameters())
+    image, busy = picture(), threading.Event()
+    ticks_within = 0
+    ready = threading.Event()
+
+    def detect() -> None:
+        ready.set()
+        for _ in range(20):
+            detector.detect(image)
+        busy.set()
+
+    thread = threading.Thread(target=detect)
+    thread.start()
+    ready.wait()
+    while not busy.wait(0.001):
+        ticks_within += 1
+    thread.join()
+    assert ticks_within > 20  # with the lock held there would be about one for each detection at most
