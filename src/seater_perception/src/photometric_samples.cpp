@@ -13,9 +13,10 @@ constexpr double kBoxVariance = 1.0 / 12.0;
 constexpr double kSubVariance = 0.0645497224;  // of the four rays of a pixel: sqrt(1 / 240)
 constexpr double kNarrowBlur = 0.45;           // [px] below, the box's own shape shows: 0.3 % of the contrast
 constexpr int kMostBorders = 6;
-constexpr double kFeltReach = 3.4;  // [standard deviations] beyond it a border is not felt: 3e-4
-constexpr int kTableRing = 8;       // [cells] beyond the pattern, in the table of what borders look like
-constexpr int kBuckets = 4;         // pixels are dealt into so many, one after the other
+constexpr double kFeltReach = 3.4;   // [standard deviations] beyond it a border is not felt: 3e-4
+constexpr double kSheetReach = 2.2;  // [standard deviations] from the sheet's end, its surroundings are hardly felt
+constexpr int kTableRing = 8;        // [cells] beyond the pattern, in the table of what borders look like
+constexpr int kBuckets = 4;          // pixels are dealt into so many, one after the other
 
 /// How many borders along an axis each pixel has to look at: nearest ones of this blur [cells], which is `off` wrong.
 int bordersFelt(double sd, double off) {
@@ -84,15 +85,20 @@ bool SampleCollector::sheetBox(const CameraModel& camera, const PatternPlacement
 
 void SampleCollector::collect(const cv::Mat& grey, const CameraModel& camera, const PatternPlacement& placement,
                               const Eigen::Isometry3d& T_optical_marker, double blur_sd, double margin, int most,
-                              const PhotometricParameters& parameters, MarkerSamples& samples) {
+                              bool rim, const PhotometricParameters& parameters, MarkerSamples& samples) {
   samples.clear();
   PixelBox box;
   if (!sheetBox(camera, placement, T_optical_marker, parameters.quiet_zone, box)) return;
   if (!grid_.make(camera, box.u0, box.v0, box.u1, box.v1)) return;
   samples.rays_per_pixel = raysPerPixel(blur_sd);
   candidates_.clear();
-  PixelWalk walk(grey, placement, T_optical_marker, std::sqrt(blur_sd * blur_sd + kBoxVariance), margin, parameters,
-                 grid_);
+  const double sd = std::sqrt(blur_sd * blur_sd + kBoxVariance), n = placement.pattern.cells();
+  const double area = (box.u1 - box.u0) * static_cast<double>(box.v1 - box.v0);
+  const double cells_per_pixel = (n + 2.0 * parameters.quiet_zone) / std::sqrt(area);
+  // Whether the pixels near the print's outer border see what lies beyond the sheet.
+  rim = rim && parameters.quiet_zone < ((parameters.reach + kSheetReach) * sd + margin) * cells_per_pixel;
+  samples.half_sheet = rim ? 0.5 * n + parameters.quiet_zone : 0.0;
+  PixelWalk walk(grey, placement, T_optical_marker, sd, margin, parameters, grid_, rim);
   walk.run(box, candidates_, samples);
   if (candidates_.empty()) return;
   samples.batch.borders = bordersFelt(walk.widest(), walk.off());

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kBrightnessPixels = 512;  // are enough to begin with
 
-constexpr std::size_t kNoiseSteps = 500;
+constexpr std::size_t kNoiseSteps = 500, kFewestSteps = 12;
 
 using Seen = std::pair<float, float>;  // white, grey
 
@@ -53,13 +53,19 @@ void PhotometricProblem::startBrightness(PhotometricState& state) {
   }
 }
 
+bool PhotometricProblem::tellsNoise() const {
+  std::size_t count = 0;
+  for (const MarkerSamples& samples : *samples_) count += samples.steps.size();
+  return count >= kFewestSteps;
+}
+
 double PhotometricProblem::flatNoise() const {
+  if (!tellsNoise()) return 0.0;
   sorted_.clear();
   for (const MarkerSamples& samples : *samples_) {
     const std::size_t stride = samples.steps.size() / kNoiseSteps + 1;
     for (std::size_t i = 0; i < samples.steps.size(); i += stride) sorted_.push_back(std::abs(samples.steps[i]));
   }
-  if (sorted_.size() < 12) return 0.0;
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
   std::nth_element(sorted_.begin(), middle, sorted_.end());
   return *middle / 0.67449 * M_SQRT1_2;
@@ -69,7 +75,8 @@ template <typename Is>
 double PhotometricProblem::share(const Is& is) const {
   double all = 0.0, those = 0.0;
   for (const MarkerSamples& samples : *samples_) {
-    for (int i = 0; i < samples.batch.count; ++i) those += is(samples.batch.grey[static_cast<std::size_t>(i)]) ? 1.0 : 0.0;
+    for (int i = 0; i < samples.batch.count; ++i)
+      those += is(samples.batch.grey[static_cast<std::size_t>(i)]) ? 1.0 : 0.0;
     for (const FlatBlock& block : samples.blocks) {
       those += is(block.grey) ? block.count : 0.0;
       all += block.count;

@@ -10,6 +10,7 @@ constexpr int kTile = 8;                 // [px]
 constexpr double kFlatReach = 3.4;       // [standard deviations] from a border, it is not felt: 3e-4
 constexpr double kWidestBand = 3.5;      // [cells]
 constexpr double kSheetClearance = 2.2;  // [standard deviations] kept from the sheet's outer edge
+constexpr double kRimClearance = 0.8;    // the same where the fit knows of a rim
 
 /// Mean of the flat pixels of one colour in a tile.
 struct Sum {
@@ -28,11 +29,12 @@ struct Sum {
 }  // namespace
 
 PixelWalk::PixelWalk(const cv::Mat& grey, const PatternPlacement& placement, const Eigen::Isometry3d& T_optical_marker,
-                     double sd, double margin, const PhotometricParameters& parameters, const RayGrid& grid)
+                     double sd, double margin, const PhotometricParameters& parameters, const RayGrid& grid, bool rim)
     : grey_(grey),
       plane_(T_optical_marker),
       parameters_(parameters),
       grid_(grid),
+      clearance_(rim ? kRimClearance : kSheetClearance),
       sd_(sd),
       margin_(margin),
       per_metre_(placement.pattern.cells() / placement.size),
@@ -83,8 +85,11 @@ bool PixelWalk::look(double u, double v, Tile& tile) {
   };
   tile.wx = band(parameters_.reach, px), tile.wy = band(parameters_.reach, py);
   tile.fx = band(kFlatReach, px), tile.fy = band(kFlatReach, py);
-  tile.qx = f(std::max(0.0, parameters_.quiet_zone - kSheetClearance * sd_ * px));
-  tile.qy = f(std::max(0.0, parameters_.quiet_zone - kSheetClearance * sd_ * py));
+  const auto zone = [&](double clearance, double per_pixel) {
+    return f(std::max(0.0, parameters_.quiet_zone - clearance * sd_ * per_pixel));
+  };
+  tile.qx = zone(clearance_, px), tile.qy = zone(clearance_, py);
+  tile.sx = zone(kSheetClearance, px), tile.sy = zone(kSheetClearance, py);
   widest_ = std::max({widest_, sd_ * px, sd_ * py});
   off_ = std::max({off_, margin_ * px, margin_ * py});
   return true;
@@ -94,7 +99,7 @@ PixelWalk::Kind PixelWalk::kindOf(const Tile& t, double radius) const {
   const double rx = radius * (std::abs(t.xu) + std::abs(t.xv)), ry = radius * (std::abs(t.yu) + std::abs(t.yv));
   if (t.x + rx < -t.qx || t.x - rx > count_ + t.qx || t.y + ry < -t.qy || t.y - ry > count_ + t.qy)
     return Kind::outside;
-  const bool within = t.x - rx >= -t.qx && t.x + rx <= count_ + t.qx && t.y - ry >= -t.qy && t.y + ry <= count_ + t.qy;
+  const bool within = t.x - rx >= -t.sx && t.x + rx <= count_ + t.sx && t.y - ry >= -t.sy && t.y + ry <= count_ + t.sy;
   const bool flat = within && uniform(static_cast<float>(t.x), static_cast<float>(t.y), t.fx + static_cast<float>(rx),
                                       t.fy + static_cast<float>(ry));
   return flat ? Kind::flat : Kind::mixed;
@@ -136,6 +141,7 @@ void PixelWalk::sort(const PixelBox& part, const Tile& tile, const PixelBox& who
   Sum sums[2];  // black, white
   const auto f = [](double value) { return static_cast<float>(value); };
   const float xu = f(tile.xu), yu = f(tile.yu), right = f(count_) + tile.qx, top = f(count_) + tile.qy;
+  const float right_flat = f(count_) + tile.sx, top_flat = f(count_) + tile.sy;
   const double mu = 0.5 * (part.u0 + part.u1), mv = 0.5 * (part.v0 + part.v1);
   for (int v = part.v0; v <= part.v1; ++v) {
     const Grey* row = grey_.ptr<Grey>(v);
@@ -146,7 +152,8 @@ void PixelWalk::sort(const PixelBox& part, const Tile& tile, const PixelBox& who
       if (x < -tile.qx || x > right || y < -tile.qy || y > top) continue;
       if (!uniform(x, y, tile.wx, tile.wy)) {
         candidates.push_back({u, v, x, y});
-      } else if (uniform(x, y, tile.fx, tile.fy)) {
+      } else if (x >= -tile.sx && x <= right_flat && y >= -tile.sy && y <= top_flat &&
+                 uniform(x, y, tile.fx, tile.fy)) {
         sums[white(x, y)].add(row[u], u, v);
         if (flat == u - 1) addStep(row[u - 1], row[u], samples);
         flat = u;

@@ -11,9 +11,10 @@ namespace seater_perception {
 
 class PixelWalk {
  public:
-  /// `sd`: of the point-spread function [px]; `margin` [px]: how far the pose may be off.
+  /// `rim`: pixels may see the end of the sheet. `sd`: of the point-spread function [px]; `margin` [px]: how far the
+  /// pose may be off.
   PixelWalk(const cv::Mat& grey, const PatternPlacement& placement, const Eigen::Isometry3d& T_optical_marker,
-            double sd, double margin, const PhotometricParameters& parameters, const RayGrid& grid);
+            double sd, double margin, const PhotometricParameters& parameters, const RayGrid& grid, bool rim);
 
   /// Adds candidates, and to the samples blocks and steps of flat pixels.
   void run(const PixelBox& box, std::vector<PixelCandidate>& candidates, MarkerSamples& samples);
@@ -29,6 +30,7 @@ class PixelWalk {
     float wx, wy;                 // half width of the band of edge pixels [cells]
     float fx, fy;                 // the same, beyond which pixels are flat
     float qx, qy;                 // width of the quiet zone that can be relied on [cells]
+    float sx, sy;                 // the same of flat pixels
   };
   enum class Kind { outside, flat, mixed };
 
@@ -53,6 +55,7 @@ class PixelWalk {
   const MarkerPlane plane_;
   const PhotometricParameters& parameters_;
   const RayGrid& grid_;
+  const double clearance_;
   const double sd_, margin_, per_metre_, count_, limit_;
   const int side_;           // of the table
   std::vector<char> cells_;  // the table: 1 white, row by row from kRing below the pattern

@@ -35,6 +35,7 @@ struct PhotometricResult {
   double blur_sd = 0.0;                ///< [px] lens blur; geometric mean of both directions
   double blur_elongation = 1.0;        ///< wide over narrow direction of the whole point-spread function
   double noise_sd = 0.0;               ///< of the inliers' residuals [grey levels]
+  double flat_noise = 0.0;             ///< of pixels far from all edges; 0: none [grey levels]
   double rms = 0.0;                    ///< of all residuals, outliers too [grey levels]
   double reduced_chi_square = 0.0;  ///< robust cost over its expectation at the known noise_sd (1 when that is unknown)
   double cost = 0.0;                ///< sum of Tukey's rho of all pixels at the result's noise_sd

@@ -6,7 +6,7 @@ namespace seater_perception {
 
 /// How a pose is fitted to the grey levels.
 struct PhotometricParameters {
-  std::string blur = "estimated";
+  std::string blur = "directed";
   double blur_sd = 0.7;
   bool illumination_slope = true;
   double quiet_zone = 1.0;

@@ -34,6 +34,7 @@ LABELS = {
     "opencv_apriltag": "OpenCV, APRILTAG refinement",
     "pupil_apriltags": "pupil-apriltags (36h11)",
     "bound": "Cramér-Rao bound",
+    "published_corners": "(the package's own corners)",
 }
 APRILTAG_FAMILY, APRILTAG_DICTIONARY = "tag36h11", "DICT_APRILTAG_36h11"
 
