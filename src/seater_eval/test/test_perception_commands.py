@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from seater_common.params import ParameterError
 from seater_eval.perception import subject
 from seater_eval.perception.accuracy_cells import bound_entry, nees_entry
 from seater_eval.perception.degraded_camera import load_degraded_camera
 from seater_eval.perception.long_run import run_long
-from seater_eval.perception.negatives import KINDS, negative
+from seater_eval.perception.negatives import KINDS, OTHER_IDS, negative
 from seater_eval.perception.peers import PEERS, dictionary_of, make_peer
 from seater_eval.perception.render import Print, clean_picture, corners_of, exposed
 from seater_eval.perception.scenes import facing, normal_error, normalised_error_squared, pose_error
@@ -72,7 +73,7 @@ def test_median_length_of_a_bound() -> None:
     assert degrees == pytest.approx(np.degrees(0.01 * np.sqrt(3.0)))
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", [*KINDS, OTHER_IDS])
 def test_negatives_differ_and_repeat(kind: str) -> None:
     first, again, other = (negative(kind, 320, 288, 1.0, 3.0, seed) for seed in (1, 1, 2))
     assert first.shape == (288, 320)
@@ -91,7 +92,7 @@ def range_data(far: float, near: float, plain: float, false: int) -> dict:
             {"method": "opencv_none", "size": size, "far": True, "limit_m": plain * farthest},
         ]
     seen = [{"picture": 3, "kind": "noise", "method": "seater"}] * false
-    return {"limits": limits, "negatives": {"noise": 10}, "false_detections": seen}
+    return {"limits": limits, "negatives": {"noise": 10, OTHER_IDS: 2}, "false_detections": seen}
 
 
 def test_range_bars() -> None:
@@ -99,11 +100,17 @@ def test_range_bars() -> None:
     for wrong in ((1.4, 1.0, 0.95, 0), (1.5, 1.1, 0.95, 0), (1.5, 1.0, 0.8, 0), (1.5, 1.0, 0.95, 1)):
         assert not all(bar.met for bar in range_bars(range_data(*wrong)))
     nothing = range_data(1.5, 1.0, 0.95, 0) | {"limits": []}
-    assert not any(bar.met for bar in range_bars(nothing)[:-1])
+    assert not any(bar.met for bar in range_bars(nothing)[:-2])
+    other = range_data(1.5, 1.0, 0.95, 0) | {
+        "false_detections": [{"picture": 3, "kind": OTHER_IDS, "method": "seater"}]
+    }
+    assert [bar.met for bar in range_bars(other)][-2:] == [True, False]
 
 
 def speed_row(method: str, ms: float) -> dict:
-    return {"method": method, "width": 1280, "height": 720, "markers": 1, "cpu_ms": {"median": ms}}
+    return {"method": method, "width": 1280, "height": 720, "markers": 1, "found": 1.0, "pictures": 9} | {
+        "cpu_ms": {"median": ms, "p95": 2 * ms}
+    }
 
 
 def test_speed_bars() -> None:
@@ -112,16 +119,26 @@ def test_speed_bars() -> None:
     slow = [speed_row("seater search", 14.0), speed_row("seater tracking", 4.0), speed_row("opencv_none", 10.0)]
     assert not any(bar.met for bar in speed_bars({"rows": slow}))
     assert not any(bar.met for bar in speed_bars({"rows": good[2:]}))
+    quick_but_blind = [row | {"found": 0.8} for row in good]
+    assert not any(bar.met for bar in speed_bars({"rows": quick_but_blind}))
+
+
+def test_the_track_is_not_measured_where_it_is_off() -> None:
+    parameters = subject.perception_parameters(CONFIG)
+    parameters["tracking"]["enabled"] = False
+    with pytest.raises(ParameterError, match="tracking/enabled: is false, must be true"):
+        subject.make_detector(CAMERA, 0.1, parameters, prior=False, tracking=True)
 
 
 def accuracy_data(**changes: float) -> dict:
     value = {"ours": 0.1, "bound": 0.06, "default": 2.0, "far": 0.9, "nees": 6.0, "seater": 0, "without": 1, "ippe": 5}
-    value |= {"found": 3000, "median": 1.0, "missed": 0} | changes
+    value |= {"found": 3000, "unknown": 3000, "median": 1.0, "missed": 0, "seen": 48} | changes
 
     def cell(distance: float, ours: float) -> dict:
+        seen = {"found": value["seen"], "shown": 48}
         median = {"seater": ours, "opencv_default": value["default"] * distance / 0.5}
         methods = {
-            name: {"position_mm": {"median": m}, "every_mm": [0.5 * m, m, 3.0 * m]} for name, m in median.items()
+            name: {"position_mm": {"median": m}, "every_mm": [0.5 * m, m, 3.0 * m]} | seen for name, m in median.items()
         }
         inside = 5.0 < value["nees"] < 7.0
         bound = {"bound_median_mm": value["bound"], "bound_draws_mm": [value["bound"]] * 3}
@@ -134,7 +151,7 @@ def accuracy_data(**changes: float) -> dict:
         } | bound
 
     branches = {key: value[key] for key in ("seater", "ippe", "found")}
-    branches |= {"frames": 3000, "seater without prior": value["without"]}
+    branches |= {"frames": 3000, "seater without prior": value["without"], "found without prior": value["unknown"]}
     ours = {"found": 15 - value["missed"], "median_mm": value["median"], "worst_mm": 9.0}
     published = {"tags": 15, "seater": ours, "best_opencv_median_mm": 2.0, "best_opencv_worst_mm": 10.0}
     return {
@@ -149,6 +166,7 @@ def test_accuracy_bars() -> None:
     assert all(bar.met for bar in accuracy_bars(accuracy_data()))
     wrong = [
         {"ours": 0.13}, {"default": 0.5}, {"far": 2.0}, {"nees": 8.0}, {"seater": 1}, {"found": 2000},
+        {"unknown": 2000}, {"seen": 40},
         {"without": 2}, {"ippe": 0, "without": 0}, {"median": 3.0}, {"missed": 1},
     ]  # fmt: skip
     for change in wrong:

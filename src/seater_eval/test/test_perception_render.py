@@ -89,7 +89,7 @@ def test_bound_is_the_spread_of_least_squares() -> None:
     """Maximum likelihood, one linear step from the truth, on 200 noisy pictures: its covariance is the bound's."""
     print_ = Print("DICT_4X4_50", 7, 0.1, facing(0.02, 0.01, 0.8, 0.4, 0.2))
     camera = replace(CAMERA, noise_sd=3.0)
-    C = cramer_rao(print_, camera, blur=False, slope=False)
+    C = cramer_rao(print_, camera, blur=0, slope=False)
     box = box_of(print_, camera, 1.0, 1.0)
     black, white, _ = camera.levels
     steps = np.array([5e-5, 5e-5, 5e-4, 5e-3, 5e-3, 2e-3])  # other steps and sampling than the bound takes
@@ -112,8 +112,11 @@ def test_bound_is_the_spread_of_least_squares() -> None:
 
 def test_bound_grows_with_unknowns_and_noise() -> None:
     print_ = Print("DICT_4X4_50", 7, 0.1, facing(0.02, 0.01, 0.8, 0.4, 0.2))
-    full, less = cramer_rao(print_, CAMERA), cramer_rao(print_, CAMERA, blur=False, slope=False)
+    full, less = cramer_rao(print_, CAMERA), cramer_rao(print_, CAMERA, blur=0, slope=False)
     assert np.all(np.diag(full) >= np.diag(less) * (1 - 1e-9))
+    directed = cramer_rao(print_, CAMERA, blur=3)
+    assert np.all(np.diag(directed) >= np.diag(full) * (1 - 1e-3))
+    assert np.all(np.diag(directed) <= 1.5 * np.diag(full))
     noisy = cramer_rao(print_, replace(CAMERA, noise_sd=6.0))
     assert noisy == pytest.approx(full * (36.0 + 1 / 12) / (9.0 + 1 / 12))
 

@@ -3,12 +3,9 @@
 
 #include "conversions.h"
 #include "seater_perception/dock_detector.h"
+#include "seater_perception/dock_tracker.h"
 #include "seater_perception/errors.h"
 #include "seater_perception/photometric.h"
-#if __has_include("seater_perception/dock_tracker.h")
-#include "seater_perception/dock_tracker.h"
-#define SEATER_HAS_TRACKER 1
-#endif
 
 namespace sp = seater_perception;
 namespace py = pybind11;
@@ -81,12 +78,7 @@ void bindResults(py::module_& m) {
       .def_readonly("size", &sp::DetectedMarker::size)
       .def_readonly("ambiguity", &sp::DetectedMarker::ambiguity)
       .def_readonly("hypotheses", &sp::DetectedMarker::hypotheses)
-#ifdef SEATER_HAS_TRACKER
-      .def_property_readonly("covariance", [](const sp::DetectedMarker& marker) { return marker.covariance(); })
-#else
-      .def_property_readonly("covariance", [](const sp::DetectedMarker& marker) { return marker.best().covariance; })
-#endif
-      ;
+      .def_property_readonly("covariance", [](const sp::DetectedMarker& marker) { return marker.covariance(); });
   py::class_<sp::DetectionResult>(m, "DetectionResult")
       .def_readonly("markers", &sp::DetectionResult::markers)
       .def_readonly("dock", &sp::DetectionResult::dock)
@@ -107,7 +99,6 @@ void bindDetector(py::module_& m) {
             return detector.detect(grey);
           },
           "image"_a);
-#ifdef SEATER_HAS_TRACKER
   py::class_<sp::DockTracker>(m, "DockTracker", "The same for a sequence of pictures.")
       .def(py::init([](const sp::CameraModel& camera, const sp::DockLayout& layout, const py::dict& parameters) {
              return std::make_unique<sp::DockTracker>(camera, layout, parametersOf(parameters), sp::CameraMount());
@@ -122,7 +113,6 @@ void bindDetector(py::module_& m) {
           },
           "image"_a)
       .def("reset", &sp::DockTracker::reset);
-#endif
 }
 
 void bindPhotometric(py::module_& m) {

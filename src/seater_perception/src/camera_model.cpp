@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include "seater_perception/errors.h"
 
@@ -77,6 +78,10 @@ CameraModel CameraModel::raw(const Calibration& c) {
   requireFinite(c.D, "D");
   requireLens(c.width, c.height, c.K[0], c.K[4], "K[0]", "K[4]");
   requireZero(c.K[1], "K[1]", "skew is not supported");
+  for (const auto& [i, name] : {std::pair(3, "K[3]"), std::pair(6, "K[6]"), std::pair(7, "K[7]")}) {
+    requireZero(c.K[static_cast<std::size_t>(i)], name, "K is upper triangular");
+  }
+  if (c.K[8] != 1.0) throw CalibrationError("K[8] is " + std::to_string(c.K[8]) + ", must be 1");
   requireDistortion(c);
   return CameraModel(c.width, c.height, c.K[0], c.K[4], c.K[2], c.K[5], c.D);
 }

@@ -63,6 +63,7 @@ DetectionResult DockDetector::evaluate(const cv::Mat& grey, const std::vector<Ma
   if (photometric) {
     refineBundle(grey, camera_, patterns_, refiner_, layout_, up_, parameters_.pose, result.markers, result.dock);
   }
+  addPlacementError(camera_, layout_, parameters_.pose.placement_sigma, result.dock);
   return result;
 }
 

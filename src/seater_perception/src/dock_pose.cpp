@@ -1,5 +1,6 @@
 #include "seater_perception/dock_pose.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -93,9 +94,14 @@ std::vector<DockHypothesis> singles(const Group& group, const PosePrior& prior, 
   std::vector<DockHypothesis> all;
   double sum = 0.0;
   for (const Sighting& s : group) {
-    for (DockHypothesis& h : named(fromSingle(s), {s})) {
-      // Each marker is as credible as the other, but for how upright its pose is.
-      h.weight *= std::exp(-0.5 * tiltCost(h, prior, parameters.tilt_sigma));
+    // Each marker is as credible as the other, but for how upright its poses are; within a marker that is weighed
+    // already.
+    std::vector<DockHypothesis> own = named(fromSingle(s), {s});
+    double upright = 0.0;
+    for (const DockHypothesis& h : own)
+      upright += h.weight * std::exp(-0.5 * tiltCost(h, prior, parameters.tilt_sigma));
+    for (DockHypothesis& h : own) {
+      h.weight *= upright;
       sum += h.weight;
       all.push_back(h);
     }
@@ -143,6 +149,30 @@ std::vector<DockHypothesis> estimateDock(const CameraModel& camera, const std::v
   auto hypotheses = bundle(camera, group, prior, parameters);
   dropImprobable(hypotheses, parameters.min_hypothesis_weight);
   return hypotheses;
+}
+
+void addPlacementError(const CameraModel& camera, const DockLayout& layout, double sigma,
+                       std::vector<DockHypothesis>& dock) {
+  for (DockHypothesis& h : dock) {
+    Matrix6d all = Matrix6d::Zero(), spread = Matrix6d::Zero();
+    for (const int id : h.marker_ids) {
+      const DockMarker& marker = layout.markers.at(id);
+      Matrix6d information = Matrix6d::Zero();
+      for (const Eigen::Vector3d& corner : markerCorners(marker.size)) {
+        const Eigen::Vector3d arm = h.pose.linear() * (marker.T_dock_marker() * corner);
+        Eigen::Matrix<double, 3, 6> by_pose = Eigen::Matrix<double, 3, 6>::Identity();
+        by_pose.rightCols<3>() << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
+        const Eigen::Matrix<double, 2, 6> J = camera.projectionJacobian(arm + h.pose.translation()) * by_pose;
+        information += J.transpose() * J;
+      }
+      all += information;
+      // A displaced print looks as the dock displaced would.
+      spread += information.leftCols<3>() * information.leftCols<3>().transpose();
+    }
+    const Matrix6d inverse = all.inverse();
+    const Matrix6d covariance = h.covariance + sigma * sigma * (inverse * spread * inverse.transpose());
+    if (covariance.allFinite()) h.covariance = 0.5 * (covariance + covariance.transpose());
+  }
 }
 
 }  // namespace seater_perception

@@ -8,6 +8,8 @@
 namespace seater_perception {
 namespace {
 
+constexpr double kReachByDock = 0.17;  // [sides] one cell: for markers that were not seen in the last picture
+
 double sideOf(const std::array<Eigen::Vector2d, 4>& corners) {
   MarkerCorners marker;
   marker.corners = corners;
@@ -67,13 +69,22 @@ std::map<int, DockTracker::Corners> DockTracker::predict(const std::optional<Eig
 
 std::vector<MarkerCorners> DockTracker::follow(const cv::Mat& grey, const std::map<int, Corners>& predicted,
                                                std::vector<MarkerCorners> found) const {
+  std::vector<ExpectedMarker> expected;
   for (const auto& [id, corners] : predicted) {
     const int wanted = id;
-    const auto is_it = [wanted](const MarkerCorners& m) { return m.id == wanted; };
-    if (std::any_of(found.begin(), found.end(), is_it)) continue;
-    const double reach = std::max(parameters_.margin_min, parameters_.margin * sideOf(corners));
-    if (const auto marker = detector_.markerDetector().follow(grey, id, corners, reach, parameters_.min_correlation))
-      found.push_back(*marker);
+    if (std::any_of(found.begin(), found.end(), [wanted](const MarkerCorners& m) { return m.id == wanted; })) continue;
+    ExpectedMarker e;
+    e.id = id;
+    e.corners = corners;
+    const auto is_it = [wanted](const DetectedMarker& m) { return m.image.id == wanted; };
+    e.by_outline = std::any_of(last_.markers.begin(), last_.markers.end(), is_it);
+    // What the dock's pose alone tells is exact, or not worth a longer look in every picture.
+    const double side = sideOf(corners);
+    e.reach = e.by_outline ? std::max(parameters_.margin_min, parameters_.margin * side) : kReachByDock * side;
+    expected.push_back(e);
+  }
+  for (const MarkerCorners& marker : detector_.markerDetector().follow(grey, expected, parameters_.min_evidence)) {
+    found.push_back(marker);
   }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   return found;

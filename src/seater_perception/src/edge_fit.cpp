@@ -19,8 +19,10 @@ constexpr double kShortestFit = 8.0;       // [px] a shorter side has too few pi
 constexpr double kBentFrom = 60.0;         // [px] from this length on, a side may be a parabola
 constexpr double kSmallestContrast = 8.0;  // [grey levels] between light and dark
 constexpr double kLargestResidual = 0.15;  // rms, of the contrast: more is not one edge
-constexpr int kSteps = 12;
-constexpr double kDone = 1e-3;         // [px]
+constexpr double kDark = 0.1;  // share of the samples that are darker than what is taken for dark, to begin with
+constexpr int kSteps = 12, kPasses = 3;
+constexpr double kLargestMove = 1.5, kSmallMove = 0.4;  // of a corner in one pass, in half bands
+constexpr double kDone = 1e-3;                          // [px]
 constexpr double kSamples = 1200.0;    // of a side are enough; a longer side gives every second, third ... pixel
 constexpr double kSmallestBlur = 0.1;  // [px] that is told of a lens
 
@@ -104,18 +106,25 @@ bool collect(const cv::Mat& grey, const Side& side, double band, Samples& sample
 /// Parameters of the step: offset a, b, c; middle grey, half contrast, width.
 using Step = Vector6d;
 
-Step start(const Side& side, const Samples& samples) {
-  double inner = 0.0, outer = 0.0;
-  int inner_count = 0, outer_count = 0;
+/// From the samples' mean, which tells how much of the band is light: the edge's place, here and along the side.
+Step start(const Side& side, const Samples& samples, double band) {
+  std::vector<float> sorted = samples.grey;
+  const auto at = [&sorted](double share) {
+    const auto place = sorted.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(sorted.size() - 1));
+    std::nth_element(sorted.begin(), place, sorted.end());
+    return static_cast<double>(*place);
+  };
+  const double dark = at(kDark), light = std::max(dark + 1.0, at(1.0 - kDark));
+  double n = 0.0, t = 0.0, tt = 0.0, y = 0.0, ty = 0.0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const bool is_outer = samples.s[i] > side.at(samples.t[i]);
-    (is_outer ? outer : inner) += samples.grey[i];
-    ++(is_outer ? outer_count : inner_count);
+    const double share = std::clamp((samples.grey[i] - dark) / (light - dark), 0.0, 1.0);
+    const double inwards = band * (1.0 - 2.0 * share), along = samples.t[i];
+    n += 1.0, t += along, tt += along * along, y += inwards, ty += along * inwards;
   }
-  inner /= std::max(1, inner_count);
-  outer /= std::max(1, outer_count);
+  const double slope = (n * ty - t * y) / std::max(1e-9, n * tt - t * t);
   Step p;
-  p << side.offset, 0.5 * (inner + outer), 0.5 * (outer - inner), 0.8;
+  p << side.offset[0] + (y - slope * t) / n, side.offset[1] + slope, side.offset[2], 0.5 * (dark + light),
+      0.5 * (light - dark), 0.8;
   return p;
 }
 
@@ -198,7 +207,7 @@ bool fitSide(const cv::Mat& grey, double band, Side& side) {
   // The band follows the edge: one that is centred on it leaves out as much on the dark as on the light side.
   for (int round = 0; round < 3; ++round) {
     if (!collect(grey, side, band, samples)) return false;
-    if (round == 0) step = start(side, samples);
+    if (round == 0) step = start(side, samples, band);
     if (!fitStep(samples, bent, band, step)) return false;
     const Eigen::Vector3d moved = step.head<3>() - side.offset;
     side.offset = step.head<3>();
@@ -225,10 +234,8 @@ std::optional<Eigen::Vector2d> meet(const Side& side, const Side& next) {
   return side.point(t[0]);
 }
 
-}  // namespace
-
-std::optional<FittedEdges> fitEdges(const cv::Mat& grey, const std::array<Eigen::Vector2d, 4>& corners,
-                                    double half_band) {
+std::optional<FittedEdges> fitOnce(const cv::Mat& grey, const std::array<Eigen::Vector2d, 4>& corners,
+                                   double half_band) {
   const Eigen::Vector2d inside = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
   std::array<Side, 4> sides;  // side i: from corner i to corner i + 1
   for (std::size_t i = 0; i < 4; ++i) {
@@ -239,12 +246,30 @@ std::optional<FittedEdges> fitEdges(const cv::Mat& grey, const std::array<Eigen:
   double variance = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
     const auto corner = meet(sides[(i + 3) % 4], sides[i]);
-    if (!corner || (*corner - corners[i]).norm() > half_band) return std::nullopt;
+    if (!corner) return std::nullopt;
     result.corners[i] = *corner;
     variance += 0.25 * sides[i].width * sides[i].width;
   }
   result.blur_sd = std::sqrt(std::max(kSmallestBlur * kSmallestBlur, variance - 1.0 / 12.0));
   return result;
+}
+
+}  // namespace
+
+std::optional<FittedEdges> fitEdges(const cv::Mat& grey, const std::array<Eigen::Vector2d, 4>& corners,
+                                    double half_band) {
+  std::array<Eigen::Vector2d, 4> from = corners;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const auto result = fitOnce(grey, from, half_band);
+    if (!result) return std::nullopt;
+    double moved = 0.0;
+    for (std::size_t i = 0; i < 4; ++i) moved = std::max(moved, (result->corners[i] - from[i]).norm());
+    if (moved > kLargestMove * half_band) return std::nullopt;
+    // Ends of sides that were far off took pixels of the next side along.
+    if (moved < kSmallMove * half_band) return result;
+    from = result->corners;
+  }
+  return std::nullopt;
 }
 
 }  // namespace seater_perception

@@ -51,6 +51,10 @@ const Format& formatOf(const std::string& encoding) {
   throw PictureError("the picture's encoding is '" + encoding + "', must be one of " + allowed);
 }
 
+bool isBayer(const Format& format) {
+  return std::string(format.encoding).rfind("bayer", 0) == 0;
+}
+
 /// A view of the caller's memory, after all that could lead outside of it is excluded.
 cv::Mat viewOf(const RawPicture& p, const Format& format) {
   if (p.width <= 0 || p.height <= 0 || !p.data || p.size == 0) throw PictureError("the picture is empty");
@@ -60,6 +64,14 @@ cv::Mat viewOf(const RawPicture& p, const Format& format) {
     throw PictureError("the picture is " + std::to_string(p.width) + " x " + std::to_string(p.height) + " in " +
                        p.encoding + ", which does not fit its rows of " + std::to_string(p.step) + " bytes and " +
                        std::to_string(p.size) + " bytes of data");
+  }
+  if (p.step % static_cast<std::size_t>(CV_ELEM_SIZE1(format.type)) != 0) {
+    throw PictureError("the picture's rows of " + std::to_string(p.step) + " bytes do not hold whole values of " +
+                       p.encoding);
+  }
+  if (isBayer(format) && (p.width < 3 || p.height < 3)) {
+    throw PictureError("the picture is " + std::to_string(p.width) + " x " + std::to_string(p.height) + " in " +
+                       p.encoding + ", must be at least 3 x 3");
   }
   // cv::Mat takes no const memory; nothing here writes to it.
   return {p.height, p.width, format.type, const_cast<std::uint8_t*>(p.data), p.step};
@@ -113,7 +125,7 @@ cv::Mat toGrey(const RawPicture& picture) {
   if (format.conversion != kNone) {
     try {
       grey = converted(grey, format.conversion);
-    } catch (const cv::Exception& error) {  // what OpenCV does not take, such as a Bayer pattern of one row
+    } catch (const cv::Exception& error) {
       throw PictureError("the picture cannot be converted from " + picture.encoding + ": " + error.what());
     }
   }

@@ -11,12 +11,6 @@ constexpr double kChanceLimit = 13.8;      // a chi-squared of 2 degrees of free
 constexpr double kMaxRotationSigma = 2.0;  // [rad] a rotation that is less certain says nothing
 constexpr double kMaxPositionSigma = 0.5;  // of the distance
 
-bool meaningful(const PoseHypothesis& hypothesis) {
-  const double rotation = std::sqrt(hypothesis.covariance.diagonal().tail<3>().maxCoeff());
-  const double position = std::sqrt(hypothesis.covariance.diagonal().head<3>().maxCoeff());
-  return rotation < kMaxRotationSigma && position < kMaxPositionSigma * hypothesis.pose.translation().norm();
-}
-
 /// How much larger than assumed the corners' variance must be for this residual to be possible; 1 when it is.
 double inflation(double chi_squared, std::size_t corners) {
   const double freedom = 2.0 * static_cast<double>(corners) - 6.0;
@@ -25,6 +19,12 @@ double inflation(double chi_squared, std::size_t corners) {
 }
 
 }  // namespace
+
+bool meaningful(const PoseHypothesis& hypothesis) {
+  const double rotation = std::sqrt(hypothesis.covariance.diagonal().tail<3>().maxCoeff());
+  const double position = std::sqrt(hypothesis.covariance.diagonal().head<3>().maxCoeff());
+  return rotation < kMaxRotationSigma && position < kMaxPositionSigma * hypothesis.pose.translation().norm();
+}
 
 std::vector<PoseHypothesis> refineAll(const CameraModel& camera, const Correspondences& points,
                                       const std::vector<Eigen::Isometry3d>& seeds) {

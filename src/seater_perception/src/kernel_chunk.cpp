@@ -16,6 +16,7 @@ struct Hits {
   alignas(64) float gxu[kChunk], gxv[kChunk], gyu[kChunk], gyv[kChunk];  // derivatives by the pixel
   alignas(64) float ix[kChunk], iy[kChunk];                              // 1 / standard deviations
   alignas(64) float rho[kChunk], ratio[kChunk];                          // correlation; sy / sx
+  alignas(64) float wu[kChunk], wv[kChunk];  // relative change of the ray's depth by the pixel
 };
 
 /// One border along one axis, as each pixel sees it.
@@ -47,13 +48,19 @@ SEATER_VECTOR_CLONES void meet(const PixelBatch& batch, int first, int n, const 
     const float alpha = (v.alpha[0] + v.alpha[1] * px + v.alpha[2] * py) * inverse;
     const float beta = (v.beta[0] + v.beta[1] * px + v.beta[2] * py) * inverse;
     const float depth = v.depth * inverse;
-    hits.x[i] = (v.x[0] + v.x[1] * px + v.x[2] * py) * inverse;
-    hits.y[i] = (v.y[0] + v.y[1] * px + v.y[2] * py) * inverse;
     hits.alpha[i] = alpha;
     hits.beta[i] = beta;
     const float x0 = depth * (v.r1x - alpha * v.r3x), x1 = depth * (v.r1y - alpha * v.r3y);
     const float y0 = depth * (v.r2x - beta * v.r3x), y1 = depth * (v.r2y - beta * v.r3y);
     const float gxu = x0 * a + x1 * c, gxv = x0 * b + x1 * d, gyu = y0 * a + y1 * c, gyv = y0 * b + y1 * d;
+    // The mean over the point-spread function is not where its middle falls: half the second derivatives of the
+    // perspective times the variances.
+    const float wu = (v.along[1] * a + v.along[2] * c) * inverse, wv = (v.along[1] * b + v.along[2] * d) * inverse;
+    hits.wu[i] = wu;
+    hits.wv[i] = wv;
+    const float su = suu * wu + suv * wv, sv = suv * wu + svv * wv;
+    hits.x[i] = (v.x[0] + v.x[1] * px + v.x[2] * py) * inverse - gxu * su - gxv * sv;
+    hits.y[i] = (v.y[0] + v.y[1] * px + v.y[2] * py) * inverse - gyu * su - gyv * sv;
     hits.gxu[i] = gxu;
     hits.gxv[i] = gxv;
     hits.gyu[i] = gyu;
@@ -120,7 +127,7 @@ SEATER_VECTOR_CLONES void addCrossing(const float* jump, const Border& x, const 
 /// The pattern smoothed by the point-spread function; see PixelBatch::pattern.
 void smooth(const PixelBatch& batch, int first, int n, const Hits& hits, Response& out) {
   const int K = batch.borders;
-  Border columns[kMostBorders], rows[kMostBorders];
+  Border columns[PixelBatch::kMostBorders], rows[PixelBatch::kMostBorders];
   for (int k = 0; k < K; ++k) {
     standardise(hits.x, hits.ix, batch.column.data() + first, k, n, columns[k]);
     standardise(hits.y, hits.iy, batch.row.data() + first, k, n, rows[k]);
@@ -153,6 +160,7 @@ SEATER_VECTOR_CLONES void addDerivatives(const Hits& hits, const Response& respo
   const float inverse_depth = view.inverse_depth;
   const float half =
       blur > 1 ? 0.0F : 0.5F / static_cast<float>(view.spread.uu);  // a round blur's relative change with its variance
+  const float round = blur > 1 ? 0.0F : 1.0F;
   for (int i = 0; i < n; ++i) {
     const float gx = share * response.by_x[i] * hits.ix[i], gy = share * response.by_y[i] * hits.iy[i];
     const float bx = share * response.by_log_sx[i], by = share * response.by_log_sy[i];
@@ -167,7 +175,9 @@ SEATER_VECTOR_CLONES void addDerivatives(const Hits& hits, const Response& respo
     chunk.by[3][i] += y * away + alpha * p + beta * by;
     chunk.by[4][i] += -x * away - alpha * bx + beta * q;
     chunk.by[5][i] += y * gx - x * gy + p + q;
-    chunk.by[6][i] += half * (bx + by);
+    const float wu = hits.wu[i], wv = hits.wv[i];
+    const float shift = gx * (hits.gxu[i] * wu + hits.gxv[i] * wv) + gy * (hits.gyu[i] * wu + hits.gyv[i] * wv);
+    chunk.by[6][i] += half * (bx + by) - round * shift;
   }
   if (blur < 3) return;
   for (int i = 0; i < n; ++i) {
@@ -175,9 +185,12 @@ SEATER_VECTOR_CLONES void addDerivatives(const Hits& hits, const Response& respo
     const float cx = 0.5F * (share * response.by_log_sx[i] - rho * by_rho) * ix * ix;
     const float cy = 0.5F * (share * response.by_log_sy[i] - rho * by_rho) * iy * iy, cxy = by_rho * ix * iy;
     const float xu = hits.gxu[i], xv = hits.gxv[i], yu = hits.gyu[i], yv = hits.gyv[i];
-    chunk.by[6][i] += cx * xu * xu + cy * yu * yu + cxy * xu * yu;
-    chunk.by[7][i] += 2.0F * (cx * xu * xv + cy * yu * yv) + cxy * (xu * yv + xv * yu);
-    chunk.by[8][i] += cx * xv * xv + cy * yv * yv + cxy * xv * yv;
+    const float gx = share * response.by_x[i] * ix, gy = share * response.by_y[i] * iy, wu = hits.wu[i],
+                wv = hits.wv[i];
+    const float gu = gx * xu + gy * yu, gv = gx * xv + gy * yv;
+    chunk.by[6][i] += cx * xu * xu + cy * yu * yu + cxy * xu * yu - gu * wu;
+    chunk.by[7][i] += 2.0F * (cx * xu * xv + cy * yu * yv) + cxy * (xu * yv + xv * yu) - gu * wv - gv * wu;
+    chunk.by[8][i] += cx * xv * xv + cy * yv * yv + cxy * xv * yv - gv * wv;
   }
 }
 

@@ -7,7 +7,6 @@
 namespace seater_perception {
 
 constexpr int kChunk = 128;
-constexpr int kMostBorders = 6;  // felt along one axis; more only if the blur is wider than a cell
 
 /// White of each pixel of the chunk and its derivatives: motion (6), blur (0, 1 or 3).
 struct Chunk {

@@ -5,6 +5,7 @@
 #include <map>
 #include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "seater_perception/dock_layout.h"
 #include "seater_perception/edge_fit.h"
@@ -15,8 +16,8 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kSmallestForCorners = 4.0;  // [px] smaller cells are left to the code's own match
-constexpr int kSmallestRegion = 12;          // [px]
+constexpr double kCoarseBand = 0.25;  // [cells] half width of the band for corners that are still some pixels off
+constexpr int kSmallestRegion = 12;   // [px]
 
 /// Half window of the refinement [px]: a fixed part of the marker's shortest cell.
 int cornerWindow(const MarkerCorners& marker, int cells, const DetectorParameters& parameters) {
@@ -79,6 +80,8 @@ struct MarkerDetector::Implementation {
 
   std::vector<MarkerCorners> byOpenCv(const cv::Mat& grey) const;
   std::vector<MarkerCorners> byOwnSearch(const PictureLevels& picture, const cv::Rect& region) const;
+  std::optional<MarkerCorners> outlineNear(const PictureLevels& picture, const ExpectedMarker& expected) const;
+  std::optional<FittedEdges> edges(const cv::Mat& grey, const MarkerCorners& marker) const;
   void refine(const cv::Mat& grey, MarkerCorners& marker) const;
 };
 
@@ -117,7 +120,7 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const Pic
   std::vector<MarkerCorners> markers;
   for (Quad quad : findQuads(picture.grey()(region), search)) {
     for (auto& corner : quad) corner += Eigen::Vector2d(region.x, region.y);
-    const auto reading = reader.read(picture, quad, parameters.min_correlation);
+    const auto reading = reader.read(picture, quad, parameters.min_evidence);
     if (!reading) continue;
     MarkerCorners marker;
     marker.id = reading->id;
@@ -127,23 +130,46 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const Pic
   return markers;
 }
 
-void MarkerDetector::Implementation::refine(const cv::Mat& grey, MarkerCorners& marker) const {
+/// The edges of a marker; from corners that are only good to a part of a cell, those of a large one in two steps.
+std::optional<FittedEdges> MarkerDetector::Implementation::edges(const cv::Mat& grey,
+                                                                 const MarkerCorners& marker) const {
   const DetectorParameters& p = parameters;
-  const int cells = dictionary->markerSize + 2;
-  const bool own = p.search == "own";
-  // OpenCV's outlines follow the steps of pixels; the own search has already matched the code.
-  if (!own) refineCorners(grey, cornerWindow(marker, cells, p), marker);
-  if (p.edge_fit) {
-    const double band = std::clamp(p.edge_band * marker.minSide() / cells, p.edge_band_min, p.edge_band_max);
-    if (const auto edges = fitEdges(grey, marker.corners, band)) {
-      marker.corners = edges->corners;
-      marker.edges_fitted = true;
-      marker.blur_sd = edges->blur_sd;
-      return;
-    }
+  const double cell = marker.minSide() / (dictionary->markerSize + 2);
+  const double band = std::clamp(p.edge_band * cell, p.edge_band_min, p.edge_band_max);
+  const auto narrow = fitEdges(grey, marker.corners, band);
+  if (narrow || kCoarseBand * cell < band) return narrow;
+  const auto wide = fitEdges(grey, marker.corners, kCoarseBand * cell);
+  return wide ? fitEdges(grey, wide->corners, band) : std::nullopt;
+}
+
+void MarkerDetector::Implementation::refine(const cv::Mat& grey, MarkerCorners& marker) const {
+  // OpenCV's outlines follow the steps of pixels; the own search has already fitted the code.
+  if (parameters.search != "own")
+    refineCorners(grey, cornerWindow(marker, dictionary->markerSize + 2, parameters), marker);
+  if (!parameters.edge_fit) return;
+  if (const auto fitted = edges(grey, marker)) {
+    marker.corners = fitted->corners;
+    marker.edges_fitted = true;
+    marker.blur_sd = fitted->blur_sd;
   }
-  if (own && marker.minSide() > kSmallestForCorners * cells)
-    refineCorners(grey, cornerWindow(marker, cells, p), marker);
+}
+
+/// The marker by its outline, in the part of the picture that it should be in.
+std::optional<MarkerCorners> MarkerDetector::Implementation::outlineNear(const PictureLevels& picture,
+                                                                         const ExpectedMarker& expected) const {
+  Eigen::Vector2d low = expected.corners[0], high = expected.corners[0];
+  for (const auto& corner : expected.corners) low = low.cwiseMin(corner), high = high.cwiseMax(corner);
+  const double margin = expected.reach + 0.2 * (high - low).maxCoeff() + 3.0;  // the quiet zone and the smoothing too
+  const auto whole = [](double x, double limit) { return static_cast<int>(std::clamp(x, 0.0, limit)); };
+  const int width = picture.grey().cols, height = picture.grey().rows;
+  const cv::Point first(whole(low.x() - margin, width), whole(low.y() - margin, height));
+  const cv::Point last(whole(high.x() + margin + 1.0, width), whole(high.y() + margin + 1.0, height));
+  const cv::Rect region(first, last);
+  if (region.width < kSmallestRegion || region.height < kSmallestRegion) return std::nullopt;
+  for (const MarkerCorners& marker : uniqueMarkers(byOwnSearch(picture, region))) {
+    if (marker.id == expected.id) return marker;
+  }
+  return std::nullopt;
 }
 
 MarkerDetector::MarkerDetector(const std::string& dictionary, const DetectorParameters& parameters,
@@ -164,31 +190,26 @@ std::vector<MarkerCorners> MarkerDetector::detect(const cv::Mat& grey) const {
   return unique;
 }
 
-std::optional<MarkerCorners> MarkerDetector::follow(const cv::Mat& grey, int id,
-                                                    const std::array<Eigen::Vector2d, 4>& predicted, double reach,
-                                                    double min_correlation) const {
+std::vector<MarkerCorners> MarkerDetector::follow(const cv::Mat& grey, const std::vector<ExpectedMarker>& expected,
+                                                  double min_evidence) const {
   checkPicture(grey);
-  Eigen::Vector2d low = predicted[0], high = predicted[0];
-  for (const auto& corner : predicted) low = low.cwiseMin(corner), high = high.cwiseMax(corner);
-  const double margin = reach + 0.2 * (high - low).maxCoeff() + 3.0;  // the quiet zone and the smoothing too
-  const auto whole = [](double x, double limit) { return static_cast<int>(std::clamp(x, 0.0, limit)); };
-  const cv::Point first(whole(low.x() - margin, grey.cols), whole(low.y() - margin, grey.rows));
-  const cv::Point last(whole(high.x() + margin + 1.0, grey.cols), whole(high.y() + margin + 1.0, grey.rows));
-  const cv::Rect region(first, last);
-  if (region.width < kSmallestRegion || region.height < kSmallestRegion) return std::nullopt;
+  std::vector<MarkerCorners> found;
+  if (expected.empty()) return found;
   const PictureLevels picture(grey);
-  for (MarkerCorners& marker : uniqueMarkers(implementation_->byOwnSearch(picture, region))) {
-    if (marker.id != id) continue;
-    implementation_->refine(grey, marker);
-    return marker;
+  for (const ExpectedMarker& e : expected) {
+    std::optional<MarkerCorners> marker;
+    if (const auto reading = implementation_->reader.follow(e.id, picture, e.corners, e.reach, min_evidence)) {
+      marker = MarkerCorners();
+      marker->id = e.id;
+      marker->corners = reading->corners;
+    } else if (e.by_outline) {
+      marker = implementation_->outlineNear(picture, e);
+    }
+    if (!marker) continue;
+    implementation_->refine(grey, *marker);
+    found.push_back(*marker);
   }
-  const auto reading = implementation_->reader.follow(id, picture, predicted, reach, min_correlation);
-  if (!reading) return std::nullopt;
-  MarkerCorners marker;
-  marker.id = id;
-  marker.corners = reading->corners;
-  implementation_->refine(grey, marker);
-  return marker;
+  return found;
 }
 
 }  // namespace seater_perception

@@ -9,7 +9,8 @@ namespace seater_perception {
 std::optional<Correspondences> markerCorrespondences(const CameraModel& camera, const MarkerCorners& marker,
                                                      double size, const PoseParameters& parameters) {
   Correspondences points;
-  const double sigma = marker.edges_fitted ? parameters.corner_sigma : parameters.corner_sigma_coarse;
+  const double usual = marker.edges_fitted ? parameters.corner_sigma : parameters.corner_sigma_coarse;
+  const double sigma = marker.corner_sigma > 0.0 ? marker.corner_sigma : usual;
   const auto corners = markerCorners(size);
   for (std::size_t i = 0; i < 4; ++i) {
     if (!points.add(corners[i], marker.corners[i], sigma, camera)) return std::nullopt;

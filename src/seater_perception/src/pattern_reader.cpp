@@ -14,7 +14,7 @@ constexpr double kClearlyBetter = 0.12;  // of correlation: a code so much less 
 constexpr double kWorthFitting = 0.5;    // correlation before the fit
 // What true markers and pictures without markers reach: docs/perception.md.
 constexpr double kSmallestMargin = 0.045;                 // of correlation, over the next best code
-constexpr double kLargestBitError = 0.55;                 // of what turns a bit round
+constexpr double kLargestBitError = 0.9;                  // of what turns a bit round
 constexpr double kHopeless = 0.2;                         // part explained after some steps
 constexpr double kGridStep = 0.5, kMostGridSteps = 10.0;  // [cells] and number: search for a code alone
 
@@ -33,19 +33,22 @@ struct PatternReader::Implementation {
   TemplateBook book;
   PatternAligner aligner;
 
-  std::optional<PatternReading> judge(double min_correlation, const Alignment& a) const;
-  std::optional<PatternReading> settle(const PictureLevels& picture, double min_correlation, Alignment& a) const;
+  std::optional<PatternReading> judge(double min_evidence, const Alignment& a) const;
+  std::optional<PatternReading> settle(const PictureLevels& picture, double min_evidence, Alignment& a) const;
 };
 
 /// Code, margin and bits of an aligned pattern.
-std::optional<PatternReading> PatternReader::Implementation::judge(double min_correlation, const Alignment& a) const {
+std::optional<PatternReading> PatternReader::Implementation::judge(double min_evidence, const Alignment& a) const {
   PatternReading reading;
   reading.id = a.id;
   reading.corners = a.quad;
   reading.correlation = std::sqrt(std::max(0.0, a.fit.explained));
-  if (reading.correlation < min_correlation || !aligner.hasBorder(a.samples)) return std::nullopt;
+  if (!aligner.hasBorder(a.samples)) return std::nullopt;
   reading.worst_bit = aligner.worstBit(a);
   if (!(reading.worst_bit < kLargestBitError)) return std::nullopt;
+  const double unexplained = 1.0 - reading.correlation * reading.correlation;
+  reading.evidence = -std::log(std::max(1e-9, unexplained * reading.worst_bit));
+  if (reading.evidence < min_evidence) return std::nullopt;
   const auto likely = book.compare(a.samples, a.blur, 2);
   if (likely.empty() || likely[0].id != a.id || likely[0].turn != 0) return std::nullopt;
   reading.margin = likely.size() > 1 ? likely[0].correlation - likely[1].correlation : 1.0;
@@ -54,11 +57,11 @@ std::optional<PatternReading> PatternReader::Implementation::judge(double min_co
 }
 
 /// Fits and judges; when it fails, once more without what covers the print.
-std::optional<PatternReading> PatternReader::Implementation::settle(const PictureLevels& picture,
-                                                                    double min_correlation, Alignment& a) const {
-  const auto reading = judge(min_correlation, a);
+std::optional<PatternReading> PatternReader::Implementation::settle(const PictureLevels& picture, double min_evidence,
+                                                                    Alignment& a) const {
+  const auto reading = judge(min_evidence, a);
   if (reading || !aligner.leaveOutCovered(a)) return reading;
-  return aligner.align(picture, a) ? judge(min_correlation, a) : std::nullopt;
+  return aligner.align(picture, a) ? judge(min_evidence, a) : std::nullopt;
 }
 
 PatternReader::PatternReader(const std::string& dictionary, const std::set<int>& ids)
@@ -71,35 +74,35 @@ int PatternReader::cells() const {
 }
 
 std::optional<PatternReading> PatternReader::read(const PictureLevels& picture, const Quad& quad,
-                                                  double min_correlation) const {
+                                                  double min_evidence) const {
   const Implementation& self = *implementation_;
   Alignment start;
   start.quad = quad;
   if (!self.aligner.look(picture, start) || !self.aligner.hasBorder(start.samples)) return std::nullopt;
   const auto likely = self.book.compare(start.samples, Alignment::kStartBlur, kCandidates);
-  std::optional<Alignment> best;
   for (const auto& candidate : likely) {
     if (candidate.correlation < std::max(kWorthFitting, likely[0].correlation - kClearlyBetter)) break;
     Alignment a;
     a.id = candidate.id;
     a.quad = printed(quad, candidate.turn);
-    if (self.aligner.align(picture, a) && (!best || a.fit.explained > best->fit.explained)) best = a;
+    if (!self.aligner.align(picture, a)) continue;
+    // When another code is as likely, that is seen here too.
+    if (const auto reading = self.settle(picture, min_evidence, a)) return reading;
   }
-  if (!best) return std::nullopt;
-  return self.settle(picture, min_correlation, *best);
+  return std::nullopt;
 }
 
 std::optional<PatternReading> PatternReader::follow(int id, const PictureLevels& picture, const Quad& corners,
-                                                    double reach, double min_correlation) const {
+                                                    double reach, double min_evidence) const {
   const Implementation& self = *implementation_;
   if (!self.book.has(id)) return std::nullopt;
   Alignment a;
   a.id = id;
   a.quad = corners;
   if (self.aligner.align(picture, a)) {
-    const auto reading = self.judge(min_correlation, a);
-    if (reading) return reading;
+    if (const auto reading = self.settle(picture, min_evidence, a)) return reading;
   }
+  if (!(reach > 0.0)) return std::nullopt;
   const double step = std::max(1.0, kGridStep * meanSide(corners) / self.book.grid().cells());
   const int steps = static_cast<int>(std::min(kMostGridSteps, reach / step));
   const PatternTemplate& pattern = self.book.of(id, Alignment::kStartBlur);
@@ -117,7 +120,7 @@ std::optional<PatternReading> PatternReader::follow(int id, const PictureLevels&
     }
   }
   if (best.fit.explained < kHopeless || !self.aligner.align(picture, best)) return std::nullopt;
-  return self.settle(picture, min_correlation, best);
+  return self.settle(picture, min_evidence, best);
 }
 
 }  // namespace seater_perception

@@ -112,7 +112,6 @@ struct PhotometricRefiner::Workspace {
       blur = std::max(blur, blurSd(fit.state));
       apart = std::max(apart, movement(camera, placements, first->state.pose, fit.state.pose, sides));
     }
-    if (samples.size() < placements.size()) samples.resize(placements.size());
     samples.resize(placements.size());
     for (std::size_t m = 0; m < placements.size(); ++m) {
       samples[m].clear();

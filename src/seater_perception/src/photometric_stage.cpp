@@ -20,8 +20,9 @@ constexpr double kBeyondScale = 0.15, kLargestBlur = 0.95;  // of the range of g
 // Residuals at edges over those of flat pixels, and distance from the fitted edges' corners over its standard
 // deviation: from here on, the print is not what the model says.
 constexpr double kMisfit = 1.8, kContradiction = 1.0;
-constexpr double kClipped = 0.05;    // share of the pixels
-constexpr double kLargestGap = 0.3;  // [px] rms, between a marker's own corners and those of the joint pose
+constexpr double kCoarseCorners = 0.25;  // cells
+constexpr double kClipped = 0.05;        // share of the pixels
+constexpr double kLargestGap = 0.3;      // [px] rms, between a marker's own corners and those of the joint pose
 
 /// Seeds that the corners cannot tell apart.
 std::vector<Eigen::Isometry3d> openSeeds(const DetectedMarker& marker) {
@@ -92,6 +93,27 @@ void weighByPrior(std::vector<PoseHypothesis>& hypotheses, const PosePrior& prio
                    [](const PoseHypothesis& a, const PoseHypothesis& b) { return a.weight > b.weight; });
 }
 
+/// Corners as the pose has them, with their own standard deviation.
+void placeCorners(const CameraModel& camera, const PoseHypothesis& hypothesis, double smallest_sigma,
+                  DetectedMarker& marker) {
+  std::array<Eigen::Vector2d, 4> corners;
+  double variance = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector3d arm = hypothesis.pose.linear() * markerCorners(marker.size)[i];
+    const Eigen::Vector3d point = arm + hypothesis.pose.translation();
+    const auto pixel = camera.project(point);
+    if (!pixel) return;
+    corners[i] = *pixel;
+    Eigen::Matrix<double, 3, 6> by_pose;
+    by_pose << Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero();
+    by_pose.rightCols<3>() << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
+    const Eigen::Matrix<double, 2, 6> J = camera.projectionJacobian(point) * by_pose;
+    variance += (J * hypothesis.covariance * J.transpose()).trace() / 8.0;
+  }
+  marker.image.corners = corners;
+  marker.image.corner_sigma = std::max(smallest_sigma, std::sqrt(variance));
+}
+
 /// Largest rms distance between the corners of a marker as it was seen and as the dock's pose has them [px]. `all`
 /// gathers the corners of the markers that are part of it.
 double gap(const CameraModel& camera, const DockLayout& layout, const std::vector<DetectedMarker>& markers,
@@ -148,20 +170,19 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
     if (!seen.add(markerCorners(marker.size)[i], marker.image.corners[i], 1.0, camera)) return false;
   }
   addModelError(camera, seen, parameters.model_sigma, hypotheses);
-  weighByPrior(hypotheses, prior, parameters.tilt_sigma);
-  std::array<Eigen::Vector2d, 4> corners;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto pixel = camera.project(hypotheses.front().pose * markerCorners(marker.size)[i]);
-    if (!pixel) return false;
-    corners[i] = *pixel;
-  }
   for (auto& h : hypotheses) h.error = reprojectionError(camera, seen, h.pose);
+  // Corners that no edge confirms may be some tenths of a cell off.
+  const double coarse = marker.image.edges_fitted ? 0.0 : kCoarseCorners * marker.image.side() / pattern.cells();
+  const double limit = largestError(marker.image.side(), parameters) + coarse;
+  const auto unbelievable = [&](const PoseHypothesis& h) { return !meaningful(h) || h.error > limit; };
+  hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), unbelievable), hypotheses.end());
+  if (hypotheses.empty()) return false;
+  weighByPrior(hypotheses, prior, parameters.tilt_sigma);
   // A print that is bent or has grown cells: where the model does not hold, the outer edges are what its size means.
   const double contradiction = kContradiction * parameters.corner_sigma;
   if (marker.image.edges_fitted && misfit > kMisfit && hypotheses.front().error > contradiction) return true;
   marker.hypotheses = hypotheses;
-  marker.image.corners = corners;
-  marker.image.edges_fitted = true;
+  if (!marker.image.edges_fitted) placeCorners(camera, hypotheses.front(), parameters.corner_sigma, marker);
   marker.ambiguity = 0.0;
   if (hypotheses.size() > 1) {
     marker.ambiguity = std::exp(std::min(5.0, 0.5 * (hypotheses[0].chi_squared - hypotheses[1].chi_squared)));
@@ -212,6 +233,7 @@ void refineBundle(const cv::Mat& grey, const CameraModel& camera, PatternBook& p
     d.marker_ids = ids;
     dock.push_back(d);
   }
+  dropImprobable(dock, parameters.min_hypothesis_weight);
 }
 
 }  // namespace seater_perception

@@ -10,6 +10,7 @@ namespace seater_perception {
 namespace {
 
 constexpr double kSmallestEigenvalue = 1e-10;  // of the normal matrix scaled to a unit diagonal
+constexpr double kLimited = 1e-9;              // [px^2]
 constexpr double kLargestTurn = 0.5;           // [rad] of a step
 constexpr double kLargestMove = 0.5;           // of the distance
 
@@ -42,15 +43,40 @@ PhotometricProblem::Shared PhotometricProblem::reduced(double damping, SharedVec
   return H - correction;
 }
 
+SpreadCovariance PhotometricProblem::blurAfter(SpreadCovariance blur, const SharedVector& change) const {
+  if (blur_ > 0) blur.uu += change[6];
+  if (blur_ == 1) blur.vv += change[6];
+  if (blur_ == 3) blur.uv += change[7], blur.vv += change[8];
+  return blur;
+}
+
+bool PhotometricProblem::limitBlur(SpreadCovariance& blur) const {
+  const SpreadCovariance before = blur;
+  for (const MarkerSamples& samples : *samples_) {
+    if (!samples.empty()) keepPossible(blur, samples.rays_per_pixel);
+  }
+  return std::abs(blur.uu - before.uu) + std::abs(blur.vv - before.vv) + std::abs(blur.uv - before.uv) > kLimited;
+}
+
 std::optional<PhotometricState> PhotometricProblem::step(const PhotometricState& state, double damping, double stretch,
                                                          double& length) const {
   const int n = 6 + blur_, residual = n + brightness_;
   SharedVector right;
   const Shared H = reduced(damping, right);
-  const SharedVector scale = H.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Shared scaled = scale.asDiagonal() * H * scale.asDiagonal();
-  const SharedVector scaled_right = scale.cwiseProduct(right);
-  const SharedVector change = stretch * scale.cwiseProduct(SharedVector(scaled.ldlt().solve(scaled_right)));
+  // The first `used` unknowns; the others stay.
+  const auto solve = [&](int used) {
+    const Shared part = H.topLeftCorner(used, used);
+    const SharedVector scale = part.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Shared scaled = scale.asDiagonal() * part * scale.asDiagonal();
+    const SharedVector scaled_right = scale.cwiseProduct(right.head(used));
+    SharedVector change = SharedVector::Zero(n);
+    change.head(used) = stretch * scale.cwiseProduct(SharedVector(scaled.ldlt().solve(scaled_right)));
+    return change;
+  };
+  SharedVector change = solve(n);
+  SpreadCovariance blur = blurAfter(state.blur, change);
+  // Where the blur would leave what the model can say, it goes to the limit, and the pose takes the step without it.
+  if (blur_ > 0 && change.allFinite() && limitBlur(blur)) change = solve(6);
   if (!change.allFinite()) return std::nullopt;
   length = change.dot(H * change);
   PhotometricState next = state;
@@ -61,12 +87,9 @@ std::optional<PhotometricState> PhotometricProblem::step(const PhotometricState&
   if (turn.norm() > 0.0) {
     next.pose.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() * state.pose.linear();
   }
-  if (blur_ > 0) next.blur.uu += change[6];
-  if (blur_ == 1) next.blur.vv += change[6];
-  if (blur_ == 3) next.blur.uv += change[7], next.blur.vv += change[8];
+  next.blur = blur;
   for (std::size_t m = 0; m < samples_->size(); ++m) {
     if ((*samples_)[m].empty()) continue;
-    if (blur_ > 0) keepPossible(next.blur, (*samples_)[m].rays_per_pixel);
     const Block& block = blocks_[m];
     using OwnVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1>;
     const OwnVector open =

@@ -8,7 +8,8 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kSmallestCell = 2.2;  // [px] of the level that is looked at
+constexpr double kSeveralFrom = 4.0;  // [px] of a cell: four points round each of the grid, at a level with such cells
+constexpr float kApart = 0.14f;       // [cells] these from that, to each side: the blur is then nearly the print's own
 constexpr int kMostLevels = 8, kSmallestLevel = 24;
 constexpr float kNearestPlane = 0.05f;  // of the homography's third coordinate
 
@@ -17,10 +18,8 @@ constexpr float kNearestPlane = 0.05f;  // of the homography's third coordinate
 PictureLevels::PictureLevels(const cv::Mat& grey) {
   levels_.push_back(grey);
   while (levels_.size() < kMostLevels && std::min(levels_.back().cols, levels_.back().rows) >= 2 * kSmallestLevel) {
-    const cv::Mat& finer = levels_.back();
-    const cv::Rect even(0, 0, finer.cols / 2 * 2, finer.rows / 2 * 2);
     cv::Mat coarser;
-    cv::resize(finer(even), coarser, cv::Size(even.width / 2, even.height / 2), 0, 0, cv::INTER_AREA);
+    cv::pyrDown(levels_.back(), coarser, cv::Size(), cv::BORDER_REPLICATE);
     levels_.push_back(coarser);
   }
 }
@@ -44,34 +43,57 @@ double meanSide(const Quad& q) {
   return 0.25 * sum;
 }
 
+namespace {
+
+/// Bilinear; false outside of the picture.
+bool greyAt(const cv::Mat& picture, const Eigen::Vector3f& p, float& grey) {
+  const float last_u = static_cast<float>(picture.cols) - 1.0f, last_v = static_cast<float>(picture.rows) - 1.0f;
+  if (!(p.z() > kNearestPlane)) return false;
+  const float scale = 1.0f / p.z();
+  float u = p.x() * scale, v = p.y() * scale;
+  if (!(u >= -0.5f && v >= -0.5f && u <= last_u + 0.5f && v <= last_v + 0.5f)) return false;
+  u = std::clamp(u, 0.0f, last_u);
+  v = std::clamp(v, 0.0f, last_v);
+  const int x = std::min(static_cast<int>(u), picture.cols - 2), y = std::min(static_cast<int>(v), picture.rows - 2);
+  const float s = u - static_cast<float>(x), t = v - static_cast<float>(y);
+  const uchar* top = picture.data + picture.step[0] * static_cast<std::size_t>(y) + x;
+  const uchar* below = top + picture.step[0];
+  const float a = top[0] + s * (top[1] - top[0]), b = below[0] + s * (below[1] - below[0]);
+  grey = a + t * (b - a);
+  return true;
+}
+
+}  // namespace
+
 void PictureLevels::sample(const Quad& quad, const PatternGrid& grid, Samples& samples) const {
-  std::size_t level = 0;
   const double cell = meanSide(quad) / grid.cells();
-  while (level + 1 < levels_.size() && cell >= 2.0 * kSmallestCell * (1 << level)) ++level;
+  const bool several = cell >= kSeveralFrom;
+  std::size_t level = 0;
+  while (level + 1 < levels_.size() && cell >= 2.0 * kSeveralFrom * (1 << level)) ++level;
   const cv::Mat& picture = levels_[level];
   const double scale = 1.0 / (1 << level);
-  Eigen::Matrix3d to_level;
-  to_level << scale, 0.0, 0.5 * scale - 0.5, 0.0, scale, 0.5 * scale - 0.5, 0.0, 0.0, 1.0;
-  const Eigen::Matrix3f H = (to_level * SquareToQuad(quad).matrix()).cast<float>();
+  // Pixel i of a level lies over pixel 2 i of the finer one.
+  const Eigen::Matrix3f H =
+      (Eigen::Vector3d(scale, scale, 1.0).asDiagonal() * SquareToQuad(quad).matrix()).cast<float>();
+  const float apart = kApart * 2.0f / static_cast<float>(grid.cells());
+  const Eigen::Vector3f right = apart * H.col(0), down = apart * H.col(1);
   samples.grey.setZero(grid.size());
   samples.weights.setZero(grid.size());
   samples.seen = 0;
-  const float last_u = static_cast<float>(picture.cols) - 1.0f, last_v = static_cast<float>(picture.rows) - 1.0f;
   for (int row = 0, i = 0; row < grid.along(); ++row) {
     const Eigen::Vector3f across = H.col(1) * grid.y(row) + H.col(2);
     for (int column = 0; column < grid.along(); ++column, ++i) {
       const Eigen::Vector3f p = H.col(0) * grid.x(column) + across;
-      if (!(p.z() > kNearestPlane)) continue;
-      float u = p.x() / p.z(), v = p.y() / p.z();
-      if (!(u >= -0.5f && v >= -0.5f && u <= last_u + 0.5f && v <= last_v + 0.5f)) continue;
-      u = std::clamp(u, 0.0f, last_u);
-      v = std::clamp(v, 0.0f, last_v);
-      const int x = std::min(static_cast<int>(u), picture.cols - 2),
-                y = std::min(static_cast<int>(v), picture.rows - 2);
-      const float s = u - static_cast<float>(x), t = v - static_cast<float>(y);
-      const uchar *top = picture.ptr<uchar>(y) + x, *below = picture.ptr<uchar>(y + 1) + x;
-      const float a = top[0] + s * (top[1] - top[0]), b = below[0] + s * (below[1] - below[0]);
-      samples.grey[i] = a + t * (b - a);
+      float a = 0.0f, b = 0.0f, c = 0.0f, d = 0.0f;
+      if (several) {
+        if (!greyAt(picture, p + right + down, a) || !greyAt(picture, p + right - down, b) ||
+            !greyAt(picture, p - right + down, c) || !greyAt(picture, p - right - down, d))
+          continue;
+        samples.grey[i] = 0.25f * (a + b + c + d);
+      } else {
+        if (!greyAt(picture, p, a)) continue;
+        samples.grey[i] = a;
+      }
       samples.weights[i] = 1.0f;
       ++samples.seen;
     }

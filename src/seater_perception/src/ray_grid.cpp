@@ -22,7 +22,11 @@ bool RayGrid::make(const CameraModel& camera, int u0, int v0, int u1, int v1) {
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {
       const Eigen::Vector2d pixel(u0 + column * kNodeStep, v0 + row * kNodeStep);
-      const auto ray = camera.undistort(pixel);
+      auto ray = camera.undistort(pixel);
+      // Nodes beyond the box may lie where no ray comes from: straight on from those before.
+      const auto at = nodes_.size(), row_length = static_cast<std::size_t>(columns_);
+      if (!ray && pixel.x() > u1 && column > 1) ray = 2.0 * nodes_[at - 1] - nodes_[at - 2];
+      if (!ray && pixel.y() > v1 && row > 1) ray = 2.0 * nodes_[at - row_length] - nodes_[at - 2 * row_length];
       if (!ray) return false;
       const Eigen::Vector2d straight((pixel.x() - cx_) / fx_, (pixel.y() - cy_) / fy_);
       deviation = std::max(deviation, (*ray - straight).cwiseAbs().maxCoeff());

@@ -17,6 +17,7 @@ constexpr double kShrink = 0.6, kShrinkTukey = 4.0;
 constexpr double kLargestStretch = 1.3;
 // The largest scale of the loss: over the noise of flat pixels, and what lens, sharpening and print may add at edges.
 constexpr double kLargestScale = 3.0, kModelError = 0.03;  // [noise], [contrast]
+constexpr double kSmallestModelError = 0.015;              // [contrast] of pictures drawn without blur
 constexpr double kUnknownNoise = 10.0;  // [grey levels] scale of the first step where no pixel is flat
 constexpr double kWildScale = 1e4;      // of the first look, when nothing is known of the residuals
 constexpr int kFewPixels = 600;         // no first look for so few
@@ -56,7 +57,8 @@ bool SeedFit::descend(PhotometricProblem& problem, RobustLoss loss, double tukey
       state = *next;
       damping = damping < 1e-4 ? 0.0 : 0.1 * damping;
       // With a scale that goes on changing, outliers near its limit could keep the fit from ever ending.
-      if (++accepted < kSettled) scale_ = std::clamp(problem.spread(0.5), kQuantisation, largest_scale_);
+      if (++accepted < kSettled)
+        scale_ = std::clamp(problem.spread(0.5), smallestScale(), std::max(smallestScale(), largest_scale_));
     } else {
       damping = std::max(1e-3, 10.0 * damping);
       if (damping > 1e8) return true;  // no step helps: this is the minimum to within rounding
@@ -73,12 +75,12 @@ void SeedFit::approach(PhotometricProblem& problem) {
   // What the residuals are like is not known before the first look.
   scale_ = largest_scale_ = kWildScale;
   if (!problem.evaluate(state, weighing(RobustLoss::huber, parameters_->tukey))) return fail("impossible pose");
-  scale_ = std::max(kQuantisation, problem.spread(0.5));
+  scale_ = std::max(smallestScale(), problem.spread(0.5));
   descend(problem, RobustLoss::huber, parameters_->tukey, kCoarseDone, 1.0);
   // Where a part is covered, Huber's minimum lies aside and the residuals at the edges are larger than those of flat
   // pixels. The scale goes down to the latter by and by, so that what is covered is forgotten before what is only
   // displaced.
-  const double flat = problem.flatNoise(), noise = std::max(kQuantisation, flat > 0.0 ? flat : problem.spread(0.25));
+  const double flat = problem.flatNoise(), noise = std::max(smallestScale(), flat > 0.0 ? flat : problem.spread(0.25));
   for (int i = 0; i < kShrinkings && scale_ > kSuspicious * noise; ++i) {
     scale_ = std::max(noise, kShrink * scale_);
     budget_ = kShrinkBudget;
@@ -93,14 +95,23 @@ void SeedFit::start(PhotometricProblem& problem) {
   scale_ = noise > 0.0 ? kLargestScale * std::max(kQuantisation, noise) : kUnknownNoise;
 }
 
+double SeedFit::contrast() const {
+  double largest = 0.0;
+  for (const Brightness& b : state.brightness) largest = std::max(largest, b.used ? b.gain : 0.0);
+  return largest;
+}
+
+/// A picture without noise is not without model error.
+double SeedFit::smallestScale() const {
+  return std::max(kQuantisation, kSmallestModelError * contrast());
+}
+
 /// A fit that is caught aside sees large residuals at all edges; they must not pass for noise.
 void SeedFit::boundScale(const PhotometricProblem& problem) {
   const double noise = problem.flatNoise();
-  double contrast = 0.0;
-  for (const Brightness& b : state.brightness) contrast = std::max(contrast, b.used ? b.gain : 0.0);
   largest_scale_ = kWildScale;
-  if (noise > 0.0) largest_scale_ = kLargestScale * std::max(kQuantisation, noise) + kModelError * contrast;
-  scale_ = std::min(scale_, largest_scale_);
+  if (noise > 0.0) largest_scale_ = kLargestScale * std::max(kQuantisation, noise) + kModelError * contrast();
+  scale_ = std::clamp(scale_, smallestScale(), std::max(smallestScale(), largest_scale_));
 }
 
 void SeedFit::firstLook(PhotometricProblem& problem) {

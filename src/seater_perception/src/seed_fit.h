@@ -42,6 +42,8 @@ class SeedFit {
  private:
   Weighing weighing(RobustLoss loss, double tukey) const { return {scale_, loss, tukey, range_}; }
   bool descend(PhotometricProblem& problem, RobustLoss loss, double tukey, double done, double part, bool adapt = true);
+  double contrast() const;
+  double smallestScale() const;
   void boundScale(const PhotometricProblem& problem);
   void judge(const PhotometricProblem& problem);
 

@@ -99,6 +99,11 @@ TEST(CameraModel, refusesWhatIsNoCalibration) {
   c = good;
   c.K[5] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_NE(complaint(c).find("K[5] is nan"), std::string::npos);
+  for (const std::size_t i : {3, 6, 7, 8}) {
+    c = good;
+    c.K[i] += 0.5;
+    EXPECT_NE(complaint(c).find("K[" + std::to_string(i) + "] is"), std::string::npos) << i;
+  }
   c = good;
   c.D[1] = std::numeric_limits<double>::infinity();
   EXPECT_NE(complaint(c).find("D[1] is inf"), std::string::npos);

@@ -181,6 +181,13 @@ TEST(GreyPicture, sizesThatDoNotFitAreRefused) {
   raw = rawOf(ramp(), "mono8");
   raw.size -= 1;
   EXPECT_NE(reasonOf(raw).find("does not fit"), std::string::npos);
+  raw = rawOf(cv::Mat(4, 8, CV_16U, cv::Scalar(300)), "mono16");
+  raw.width = 7, raw.height = 3;
+  raw.step = 15;  // rows would begin in the middle of a value
+  EXPECT_NE(reasonOf(raw).find("whole values"), std::string::npos);
+  EXPECT_NE(reasonOf(rawOf(cv::Mat(2, 8, CV_8U, cv::Scalar(3)), "bayer_rggb8")).find("at least 3 x 3"),
+            std::string::npos);
+  raw = rawOf(ramp(), "mono8");
   raw.height = 0;
   EXPECT_NE(reasonOf(raw).find("empty"), std::string::npos);
 }

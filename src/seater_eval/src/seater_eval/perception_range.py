@@ -18,7 +18,7 @@ from seater_eval.parallel import job_seed
 from seater_eval.perception import subject
 from seater_eval.perception.degraded_camera import DegradedCamera, load_degraded_camera
 from seater_eval.perception.long_run import run_long
-from seater_eval.perception.negatives import KINDS, negative
+from seater_eval.perception.negatives import KINDS, OTHER_IDS, negative
 from seater_eval.perception.peers import LABELS, Detector, dictionary_of, make_peer
 from seater_eval.perception.render import Picture, Print, clean_picture, exposed
 from seater_eval.perception.scenes import facing
@@ -64,6 +64,7 @@ class NegativeJob:
     config: str
     first: int
     last: int
+    other_ids: bool = False  # instead: markers of the same dictionary that the dock has not
 
 
 def camera_of(config: str | Path) -> DegradedCamera:
@@ -164,11 +165,12 @@ def find_limit(job: RangeJob) -> dict[str, Any]:
 def count_false(job: NegativeJob) -> dict[str, Any]:
     """Pictures shown by kind, and what was seen in them: by the detector that looks for the dock's ids and by the one that
     looks for every id of the dictionary (neither contains the other: with more ids, codes too much alike are refused)."""
-    shown, false = dict.fromkeys(KINDS, 0), []
+    shown, false = dict.fromkeys((*KINDS, OTHER_IDS), 0), []
     for index in range(job.first, job.last):
-        kind, picture = negative_picture(job.config, index)
+        kind = OTHER_IDS if job.other_ids else KINDS[index % len(KINDS)]
+        picture = negative_picture(job.config, kind, index)
         shown[kind] += 1
-        for method in ("seater", ALL_IDS):
+        for method in ("seater",) if job.other_ids else ("seater", ALL_IDS):
             seen = _detector(job.config, method, 0.1)(picture)
             false += [
                 {"picture": index, "kind": kind, "method": method, "id": s.id, "corners": s.corners} for s in seen
@@ -176,11 +178,11 @@ def count_false(job: NegativeJob) -> dict[str, Any]:
     return {"shown": shown, "false": false}
 
 
-def negative_picture(config: str | Path, index: int) -> tuple[str, Picture]:
-    """Kind and picture number `index` of those without markers."""
-    camera, kind = camera_of(config), KINDS[index % len(KINDS)]
+def negative_picture(config: str | Path, kind: str, index: int) -> Picture:
+    """Picture number `index` of those without markers."""
+    camera = camera_of(config)
     size = camera.image_width, camera.image_height
-    return kind, negative(kind, *size, camera.blur_sd, camera.noise_sd, job_seed(11, index))
+    return negative(kind, *size, camera.blur_sd, camera.noise_sd, job_seed(11, index))
 
 
 def run_range(
@@ -204,6 +206,8 @@ def run_range(
     ]
     jobs.sort(key=lambda job: job.far)  # those that take longest first, so that no core waits at the end
     blocks = [NegativeJob(config, first, min(first + 20, total)) for first in range(0, total, 20)]
+    others = max(1, total // 10)
+    blocks += [NegativeJob(config, first, min(first + 20, others), True) for first in range(0, others, 20)]
     results = run_long(run_part, [*jobs, *blocks], label="perception_range", config=config, partial=partial)
     limits, counts = results[: len(jobs)], results[len(jobs) :]
     return {
@@ -216,7 +220,7 @@ def run_range(
             "bisection_steps": steps,
         },
         "limits": limits,
-        "negatives": {kind: sum(c["shown"][kind] for c in counts) for kind in KINDS},
+        "negatives": {kind: sum(c["shown"][kind] for c in counts) for kind in (*KINDS, OTHER_IDS)},
         "false_detections": [false for c in counts for false in c["false"]],
     }
 
@@ -247,9 +251,13 @@ def range_bars(data: dict[str, Any]) -> list[Bar]:
             Bar(f"{name}: nearest", near, nearest, "m", "at most"),
             Bar(f"{name}: farthest / the paper's", None if far is None else far / farthest, FARTHER, "", "at least"),
         ]
-    shown, false = sum(data["negatives"].values()), data["false_detections"]
-    note = ", ".join(f"picture {f['picture']} ({f['kind']}, {f['method']})" for f in false[:5])
-    return [*bars, Bar(f"false detections in {shown} pictures without markers", len(false), 0.0, note=note)]
+    for others in (False, True):
+        shown = sum(n for kind, n in data["negatives"].items() if (kind == OTHER_IDS) == others)
+        false = [f for f in data["false_detections"] if (f["kind"] == OTHER_IDS) == others]
+        note = ", ".join(f"picture {f['picture']} ({f['kind']}, {f['method']})" for f in false[:5])
+        what = "pictures of markers that the dock has not" if others else "pictures without markers"
+        bars.append(Bar(f"false detections in {shown} {what}", len(false) if shown else None, 0.0, note=note))
+    return bars
 
 
 def describe_range(data: dict[str, Any]) -> str:
@@ -275,7 +283,7 @@ def save_false(config: str | Path, data: dict[str, Any], folder: Path) -> list[P
     """The first ten pictures in which something was seen that is not there, with it outlined."""
     paths = []
     for false in data["false_detections"][:10]:
-        _, picture = negative_picture(config, false["picture"])
+        picture = negative_picture(config, false["kind"], false["picture"])
         shown = cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR)
         cv2.polylines(shown, [np.rint(false["corners"]).astype(np.int32)], True, (0, 0, 255), 1)
         paths.append(folder / f"perception_range_false_{false['picture']}.png")

@@ -25,4 +25,8 @@ std::vector<DockHypothesis> estimateDock(const CameraModel& camera, const std::v
                                          const DockLayout& layout, const std::string& selection,
                                          const Eigen::Vector3d& up, const PoseParameters& parameters);
 
+/// Adds what prints that hang beside their places do to the pose: `sigma` [m] along each axis, each print by itself.
+void addPlacementError(const CameraModel& camera, const DockLayout& layout, double sigma,
+                       std::vector<DockHypothesis>& dock);
+
 }  // namespace seater_perception

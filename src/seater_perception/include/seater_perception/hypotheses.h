@@ -52,6 +52,9 @@ Matrix6d mixtureCovariance(const std::vector<Hypothesis>& hypotheses) {
   return covariance;
 }
 
+/// Whether a pose's covariance says anything: rotation better than 2 rad, position than half the distance.
+bool meaningful(const PoseHypothesis& hypothesis);
+
 /// Leaves out what is less probable than the parameter min_hypothesis_weight; the rest adds up to 1 again.
 template <typename Hypothesis>
 void dropImprobable(std::vector<Hypothesis>& hypotheses, double min_weight) {

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <memory>
-#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -23,17 +22,27 @@ struct MarkerCorners {
   /// read.
   std::array<Eigen::Vector2d, 4> corners;
   bool edges_fitted =
-      false;             ///< true: corners are intersections of fitted edges; false: of cornerSubPix, less accurate
-  double blur_sd = 0.0;  ///< of the lens, from the fitted edges; 0: not known [px]
+      false;  ///< true: corners are intersections of fitted edges; false: of the code or cornerSubPix, less accurate
+  double corner_sigma = 0.0;  ///< standard deviation of a corner coordinate; 0: as the parameters say [px]
+  double blur_sd = 0.0;       ///< of the lens, from the fitted edges; 0: not known [px]
 
   double side() const;     ///< mean side [px]
   double minSide() const;  ///< shortest side [px]
   Eigen::Vector2d centre() const;
 };
 
+/// Where a marker should be in the picture.
+struct ExpectedMarker {
+  int id = 0;
+  std::array<Eigen::Vector2d, 4> corners;  ///< as of MarkerCorners [px]
+  double reach = 0.0;                      ///< how far away it is looked for [px]; 0: only there
+  bool by_outline = true;                  ///< and by its outline, when its code does not show there
+};
+
 /// Finds markers of one dictionary and refines their corners. Outlines and ids come from findQuads and PatternReader
-/// (`search: own`) or from OpenCV's detectMarkers (`opencv`). Corners: fitEdges where it succeeds; else cornerSubPix
-/// with a window that follows each marker's size, so that it never reaches the next cell of the print.
+/// (`search: own`) or from OpenCV's detectMarkers (`opencv`). Corners: fitEdges where it succeeds; else those of the
+/// fitted code (own), or cornerSubPix with a window that follows each marker's size, so that it never reaches the next
+/// cell of the print (opencv).
 class MarkerDetector {
  public:
   /// `ids`: markers looked for; empty: all of the dictionary. Throws ConfigurationError for an unknown dictionary.
@@ -45,11 +54,12 @@ class MarkerDetector {
   /// meant. `grey` is CV_8UC1. Throws PictureError.
   std::vector<MarkerCorners> detect(const cv::Mat& grey) const;
 
-  /// One marker near the place where its corners were predicted [px], at most `reach` [px] away: first by its outline,
-  /// then, when that does not show, by its code alone. Every bit of the code has to be on its side, the correlation at
-  /// least `min_correlation`. Nothing when it is not there. Throws PictureError.
-  std::optional<MarkerCorners> follow(const cv::Mat& grey, int id, const std::array<Eigen::Vector2d, 4>& predicted,
-                                      double reach, double min_correlation) const;
+  /// Markers near the places where they are expected, in their order: first where they are expected, then up to `reach`
+  /// away, by their code, then (`by_outline`) by their outline there. The correlation has to be at least
+  /// `min_evidence`, every bit of the code on its side, and no other code as likely. What is not there is left out.
+  /// Throws PictureError.
+  std::vector<MarkerCorners> follow(const cv::Mat& grey, const std::vector<ExpectedMarker>& expected,
+                                    double min_evidence) const;
 
  private:
   struct Implementation;

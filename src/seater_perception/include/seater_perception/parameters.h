@@ -19,7 +19,7 @@ struct DetectorParameters {
   double min_side = 11.0;
   int search_window = 25;
   double search_constant = 4.0;
-  double min_correlation = 0.96;
+  double min_evidence = 4.3;
   double error_correction_rate = 0.6;
   double corner_window = 0.4;
   int corner_window_min = 2;
@@ -35,7 +35,7 @@ struct DetectorParameters {
     v.integer("search_window", search_window, "px", 5, 255, "own search: window of the adaptive threshold, odd");
     v.number("search_constant", search_constant, "grey levels", 0.5, 100.0,
              "own search: how much darker than its surroundings");
-    v.number("min_correlation", min_correlation, "", 0.5, 0.99, "own search: of the grey levels with the code");
+    v.number("min_evidence", min_evidence, "", 0.5, 20.0, "own search: how well the grey levels have to fit the code");
     v.integer("threshold_window_min", threshold_window_min, "px", 3, 255, "smallest window of the adaptive threshold");
     v.integer("threshold_window_max", threshold_window_max, "px", 3, 255, "largest window of the adaptive threshold");
     v.integer("threshold_window_step", threshold_window_step, "px", 1, 255, "step between the windows");
@@ -63,6 +63,7 @@ struct PoseParameters {
   double max_reprojection_error = 1.0;
   double max_reprojection_fraction = 0.02;
   double placement_tolerance = 0.005;
+  double placement_sigma = 0.0005;
 
   template <typename Visitor>
   void visit(Visitor& v) {
@@ -76,6 +77,7 @@ struct PoseParameters {
     v.number("max_reprojection_error", max_reprojection_error, "px", 0.05, 20.0, "larger ones are refused, if also:");
     v.number("max_reprojection_fraction", max_reprojection_fraction, "sides", 0.0, 0.2,
              "of the marker's side exceeded");
+    v.number("placement_sigma", placement_sigma, "m", 0.0, 0.05, "standard deviation of the markers' places");
     v.number("placement_tolerance", placement_tolerance, "m", 0.0, 0.1, "how far a marker may be from its place");
   }
 };
@@ -86,7 +88,7 @@ struct TrackingParameters {
   int full_search_every = 15;
   double margin = 0.6;
   double margin_min = 12.0;
-  double min_correlation = 0.85;
+  double min_evidence = 2.5;
 
   template <typename Visitor>
   void visit(Visitor& v) {
@@ -94,7 +96,7 @@ struct TrackingParameters {
     v.integer("full_search_every", full_search_every, "pictures", 1, 100000, "at the latest, the whole is searched");
     v.number("margin", margin, "sides", 0.1, 5.0, "how far round the predicted place is searched");
     v.number("margin_min", margin_min, "px", 2.0, 500.0, "but at least");
-    v.number("min_correlation", min_correlation, "", 0.5, 0.99, "of the grey levels with the expected code");
+    v.number("min_evidence", min_evidence, "", 0.5, 20.0, "how well the grey levels have to fit the expected code");
   }
 };
 

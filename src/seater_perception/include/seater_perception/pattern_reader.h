@@ -21,6 +21,8 @@ struct PatternReading {
   double correlation = 0.0;  ///< of the grey levels, quiet zone and border included, with the code's
   double margin = 0.0;       ///< of correlation over the next best code or orientation
   double worst_bit = 0.0;    ///< largest deviation of a cell, of what would turn its bit round: below 1
+  /// -log((1 - correlation^2) worst_bit): both together. What only resembles a marker has one of them at most.
+  double evidence = 0.0;
 };
 
 /// Compares quadrilaterals with the codes of a dictionary. Grey levels are taken at four points of each cell and in the
@@ -34,14 +36,15 @@ class PatternReader {
   ~PatternReader();
   PatternReader(PatternReader&&) noexcept;
 
-  /// The code that a quadrilateral (clockwise in the picture) shows; nothing when its correlation is smaller than
-  /// `min_correlation`, when another code is about as likely, or when a bit contradicts. Of a large marker, a part of
+  /// The code that a quadrilateral (clockwise in the picture) shows; nothing when there is less than
+  /// `min_evidence`, when another code is about as likely, or when a bit contradicts. Of a large marker, a part of
   /// border and quiet zone may be covered.
-  std::optional<PatternReading> read(const PictureLevels& picture, const Quad& quad, double min_correlation) const;
+  std::optional<PatternReading> read(const PictureLevels& picture, const Quad& quad, double min_evidence) const;
 
-  /// A known code whose corners are about here (in the print's order), at most `reach` [px] away.
+  /// A known code whose corners are about here (in the print's order), at most `reach` [px] away (0: only what the fit
+  /// itself reaches, about a third of a cell).
   std::optional<PatternReading> follow(int id, const PictureLevels& picture, const Quad& corners, double reach,
-                                       double min_correlation) const;
+                                       double min_evidence) const;
 
   int cells() const;
 

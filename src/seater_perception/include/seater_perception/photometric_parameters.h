@@ -27,7 +27,7 @@ struct PhotometricParameters {
              "the camera's blur: as given; one width estimated; a width along each direction estimated (motion)");
     v.number("blur_sd", blur_sd, "px", 0.0, 10.0, "standard deviation of lens blur, the pixel's own area not included");
     v.boolean("illumination_slope", illumination_slope, "estimate how brightness changes over the marker");
-    v.number("quiet_zone", quiet_zone, "cells", 0.0, 10.0, "white margin round a marker that can be relied on");
+    v.number("quiet_zone", quiet_zone, "cells", 0.0, 2.0, "white margin round a marker that can be relied on");
     v.number("noise_sd", noise_sd, "grey levels", 0.0, 10000.0, "known noise, for reduced_chi_square; 0: unknown");
     v.number("saturation", saturation, "grey levels", 0.0, 65535.0, "where the sensor clips; 0: largest of the type");
     v.number("reach", reach, "standard deviations", 1.0, 4.0,

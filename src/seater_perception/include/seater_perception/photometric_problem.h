@@ -76,6 +76,8 @@ class PhotometricProblem {
   template <typename Is>
   double share(const Is& is) const;
   bool view(std::size_t m, const PhotometricState& state, MarkerView& view) const;
+  SpreadCovariance blurAfter(SpreadCovariance blur, const SharedVector& change) const;
+  bool limitBlur(SpreadCovariance& blur) const;
   Shared reduced(double damping, SharedVector& right) const;
   Own brightnessInformation(std::size_t m, double damping) const;
 

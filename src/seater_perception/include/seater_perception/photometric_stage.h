@@ -21,7 +21,7 @@ class PatternBook {
 
 /// Poses of a detected marker, fitted to the grey levels. Begins at all its hypotheses which the corners cannot tell
 /// apart; what remains is weighed by the photometric residual and the prior. Covariances are the fit's own. Corners
-/// become those of the best pose.
+/// become those of the best pose where no edges were fitted.
 ///
 /// True, but with the poses of the corners, when the print is not as the model has it (bent, cells of another width)
 /// and its fitted edges contradict the fitted pose.

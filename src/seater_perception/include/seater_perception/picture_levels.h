@@ -10,7 +10,8 @@
 
 namespace seater_perception {
 
-/// A CV_8UC1 picture and its halvings, each pixel the mean of four. Holds no copy of the picture: it has to outlive
+/// A CV_8UC1 picture and its halvings, smoothed so that a level can be sampled anywhere (P. Burt and E. Adelson, "The
+/// Laplacian pyramid as a compact image code", 1983). Holds no copy of the picture: it has to outlive
 /// this.
 class PictureLevels {
  public:
@@ -19,9 +20,9 @@ class PictureLevels {
   const cv::Mat& grey() const { return levels_.front(); }
 
   /// Grey levels under a quadrilateral (corners of the print's square: -1 -1, 1 -1, 1 1, -1 1) at the points of the
-  /// grid, from the level in which cells are 2 to 4 px wide, so that each sample stands for a part of its cell.
-  /// Bilinear. Weight 1; outside of the picture, and where the quadrilateral's plane is behind the camera, weight and
-  /// sample 0.
+  /// grid; of cells from 4 px on, the mean of four points round each, from the level in which cells have 4 to 8 px, so
+  /// that each sample stands for its part of a cell. Weight 1; outside of the picture, and where the quadrilateral's
+  /// plane is behind the camera, weight and sample 0.
   struct Samples {
     Eigen::VectorXf grey, weights;
     int seen = 0;

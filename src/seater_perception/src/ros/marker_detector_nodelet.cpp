@@ -138,8 +138,10 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   }
 
   void process(const cv::Mat& grey, const std_msgs::Header& header, const Clock::time_point& begin) {
-    if (header.stamp < last_stamp_) forget();  // a bag or a simulation that begins anew
+    // A bag or a simulation that begins anew; another camera.
+    if (header.stamp < last_stamp_ || header.frame_id != last_frame_) forget();
     last_stamp_ = header.stamp;
+    last_frame_ = header.frame_id;
     std::optional<Eigen::Isometry3d> T_now_last;
     if (odometry_) T_now_last = odometry_->next(header.frame_id, header.stamp);
     const DetectionResult result = detector_->detect(grey, T_now_last);
@@ -187,6 +189,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   std::unique_ptr<tf2_ros::TransformListener> transforms_;  // fills the buffer from a thread of its own
   std::unique_ptr<OdometryMotion> odometry_;                // nothing when there is no odometry to look up
   ros::Time last_stamp_;                                    // of the last picture
+  std::string last_frame_;
 };
 
 }  // namespace seater_perception

@@ -13,7 +13,7 @@ from scipy.stats import chi2
 from seater_eval.bars import spread
 from seater_eval.parallel import job_seed
 from seater_eval.perception import subject
-from seater_eval.perception.bound import cramer_rao
+from seater_eval.perception.bound import cramer_rao, unknowns
 from seater_eval.perception.degraded_camera import load_degraded_camera
 from seater_eval.perception.peers import Detector, Seen, best_of_ippe, dictionary_of, make_peer
 from seater_eval.perception.render import Print, box_of, clean_picture, exposed
@@ -52,6 +52,7 @@ def _detector(config: str, method: str, size: float) -> Any:
 def run_cell(job: CellJob) -> dict[str, Any]:
     """Errors of every method, normalised errors of ours, and the bound."""
     camera = load_degraded_camera(f"{job.config}/cameras/degraded.yaml")
+    unknown = unknowns(subject.perception_parameters(job.config))
     errors: dict[str, list[tuple[float, float]]] = {name: [] for name in job.methods}
     shown = dict.fromkeys(job.methods, 0)
     nees, bounds, wrong = [], [], 0
@@ -64,7 +65,7 @@ def run_cell(job: CellJob) -> dict[str, Any]:
             picture[dictionary] = exposed(clean[dictionary], camera.noise_sd, random)
         truth = Print(subject.DICTIONARY, 0, job.size, pose)
         if k % 4 == 0:
-            bounds.append(bound_entry(cramer_rao(truth, camera)))
+            bounds.append(bound_entry(cramer_rao(truth, camera, blur=unknown.blur, slope=unknown.slope)))
         for name in job.methods:
             if name == "opencv_apriltag" and k >= job.slow_pictures:
                 continue
@@ -157,7 +158,9 @@ def count_wrong_branches(job: BranchJob) -> dict[str, int]:
     100 mm, 0.35 to 2 m, every second frame frontal (within 3 deg), the others turned by up to 30 deg.
     """
     camera, size = load_degraded_camera(f"{job.config}/cameras/degraded.yaml"), 0.1
-    counts = dict.fromkeys(("frames", "found", "seater", "seater without prior", "ippe", "ippe, default corners"), 0)
+    counts = dict.fromkeys(
+        ("frames", "found", "found without prior", "seater", "seater without prior", "ippe", "ippe, default corners"), 0
+    )
     for k in range(job.first, job.last):
         random = np.random.default_rng(job_seed(23, k))
         angle = math.radians(random.uniform(0.0, 3.0) if k % 2 == 0 else random.uniform(3.0, 30.0))
@@ -167,7 +170,7 @@ def count_wrong_branches(job: BranchJob) -> dict[str, int]:
         counts["frames"] += 1
         for name in ("seater", "seater without prior"):
             for marker in _detector(job.config, name, size).detect(image).markers:
-                counts["found"] += name == "seater"
+                counts["found" if name == "seater" else "found without prior"] += 1
                 counts[name] += normal_error(marker.hypotheses[0].pose, pose) > WRONG_BRANCH
         for name, method in (("ippe", "opencv_scaled"), ("ippe, default corners", "opencv_default")):
             for seen in _detector(job.config, method, size)(image):

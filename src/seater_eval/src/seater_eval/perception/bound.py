@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +14,29 @@ from seater_eval.perception.render import Print, box_of, moved, white_share
 
 Array = NDArray[np.float64]
 QUANTISATION_VARIANCE = 1.0 / 12.0  # of rounding to whole grey levels
+BLUR_SHIFT = 0.25  # [px] for second derivatives
 
 
-def cramer_rao(
-    print_: Print, camera: DegradedCamera, *, blur: bool = True, slope: bool = True, samples: int = 5
-) -> Array:
+@dataclass(frozen=True)
+class Unknowns:
+    """What is estimated beside pose, offset and gain."""
+
+    blur: int  # 0: the blur is known; 1: one width; 3: a width along each direction (two widths and their covariance)
+    slope: bool  # two slopes of the brightness
+
+
+def unknowns(parameters: Mapping[str, Any]) -> Unknowns:
+    """Those of the estimator with these perception parameters."""
+    photometric = parameters["photometric"]
+    blur = {"given": 0, "estimated": 1, "directed": 3}[photometric["blur"]]
+    return Unknowns(blur, bool(photometric["illumination_slope"]))
+
+
+def cramer_rao(print_: Print, camera: DegradedCamera, *, blur: int = 1, slope: bool = True, samples: int = 5) -> Array:
     """(6, 6) smallest covariance of the pose error (d, w) as in `moved`: x y z [m], rotation [rad].
 
-    Unknown beside the pose: brightness offset and gain; if told so the blur and two slopes of the brightness. The Fisher
+    Unknown beside the pose: brightness offset and gain; if told so the blur (see Unknowns) and two slopes of the brightness.
+    A Gaussian blur's derivative by its covariance is half the second derivative of the blurred picture. The Fisher
     information is J^T J / variance with J the derivative of the noise-free picture, by central differences of the renderer
     (Kay, "Fundamentals of Statistical Signal Processing: Estimation Theory", 3.9); the variance is that of noise and rounding.
     The paper is taken as endless: where the sheet ends tells an estimator nothing that knows only the print.
@@ -28,8 +45,8 @@ def cramer_rao(
     black, white, _ = camera.levels
     contrast = white - black
 
-    def share(p: Print, c: DegradedCamera = camera) -> Array:
-        return white_share(p, c, box, samples=samples, endless_paper=True)
+    def share(p: Print, c: DegradedCamera = camera, shift: tuple[float, float] = (0.0, 0.0)) -> Array:
+        return white_share(p, c, box, samples=samples, endless_paper=True, shift=shift)
 
     z = float(print_.pose[2, 3])
     # [m], [rad]: an edge moves by about a tenth of a pixel
@@ -43,9 +60,17 @@ def cramer_rao(
         columns.append(contrast * (share(moved(print_, change)) - share(moved(print_, -change))) / (2.0 * step))
     middle = share(print_)
     columns += [np.ones_like(middle), middle]
-    if blur:
+    if blur == 1:
         wide, narrow = (share(print_, replace(camera, blur_sd=camera.blur_sd + d)) for d in (0.03, -0.03))
         columns.append(contrast * (wide - narrow) / 0.06)
+    elif blur == 3:
+        h = BLUR_SHIFT
+        along = [
+            share(print_, shift=s) + share(print_, shift=(-s[0], -s[1])) - 2.0 * middle for s in ((h, 0.0), (0.0, h))
+        ]
+        corners = [share(print_, shift=(a * h, b * h)) for a, b in ((1, 1), (-1, -1), (1, -1), (-1, 1))]
+        across = 0.25 * (corners[0] + corners[1] - corners[2] - corners[3])
+        columns += [contrast * second / h**2 for second in (*along, across)]
     if slope:
         grey = black + contrast * middle
         h, w = middle.shape

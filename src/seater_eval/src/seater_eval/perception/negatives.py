@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 Picture = NDArray[np.uint8]
 KINDS = ("noise", "checkerboard", "text", "foliage", "other dictionaries")
+OTHER_IDS = "same dictionary, other ids"  # nothing for who looks for the dock's ids alone
+DICTIONARY, FIRST_OTHER = "DICT_4X4_50", 3  # the dock has 0, 1 and 2
 # Not of these: 4X4_50 is looked for, and the larger 4X4 dictionaries begin with its markers.
 OTHERS = (
     "DICT_5X5_50",
@@ -22,7 +24,7 @@ OTHERS = (
 
 
 def negative(kind: str, width: int, height: int, blur_sd: float, noise_sd: float, seed: int) -> Picture:
-    """One picture (height, width) of a kind of KINDS, through the same blur and noise as the others."""
+    """One picture (height, width) of a kind of KINDS or OTHER_IDS, through the same blur and noise as the others."""
     random = np.random.default_rng(seed)
     canvas = _DRAW[kind](random, width, height).astype(np.float32)
     if kind != "noise" and blur_sd > 0.0:
@@ -100,6 +102,20 @@ def _other_dictionaries(random: np.random.Generator, width: int, height: int) ->
     return page
 
 
+def _other_ids(random: np.random.Generator, width: int, height: int) -> Picture:
+    """Two dozen small markers of the dictionary, with ids that the dock has not: at 12 px codes are much alike."""
+    page = np.full((height, width), 150, np.uint8)
+    markers = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
+    for _ in range(24):
+        drawn = cv2.aruco.drawMarker(markers, int(random.integers(FIRST_OTHER, 50)), 180)
+        sheet = cv2.copyMakeBorder(np.where(drawn > 127, 215, 40).astype(np.uint8), 30, 30, 30, 30, 0, value=215)
+        side = round(float(random.uniform(12.0, 26.0)) * 240 / 180)
+        small = np.rot90(cv2.resize(sheet, (side, side), interpolation=cv2.INTER_AREA), int(random.integers(4)))
+        x, y = int(random.integers(0, width - side)), int(random.integers(0, height - side))
+        page[y : y + side, x : x + side] = small
+    return page
+
+
 def _warped(random: np.random.Generator, texture: Picture, width: int, height: int) -> Picture:
     n = texture.shape[0]
     source = np.array([[0, 0], [n, 0], [n, n], [0, n]], np.float32)
@@ -115,4 +131,5 @@ _DRAW = {
     "text": _text,
     "foliage": _foliage,
     "other dictionaries": _other_dictionaries,
+    OTHER_IDS: _other_ids,
 }

@@ -64,9 +64,17 @@ def samples_for(print_: Print, camera: DegradedCamera) -> int:
 
 
 def reflectance(
-    print_: Print, K: Array, box: Box, samples: int, paper: float, wall: float, border: int = 0
+    print_: Print,
+    K: Array,
+    box: Box,
+    samples: int,
+    paper: float,
+    wall: float,
+    border: int = 0,
+    shift: tuple[float, float] = (0.0, 0.0),
 ) -> NDArray[np.float32]:
-    """The sharp sheet on the fine grid of a box: 0 ink, 1 paper, `wall` outside of `paper` cells of quiet zone."""
+    """The sharp sheet on the fine grid of a box: 0 ink, 1 paper, `wall` outside of `paper` cells of quiet zone. `shift`: the
+    grid lies so far [px] right of and below the pixels."""
     cells = marker_cells(print_.dictionary, print_.id)
     n = len(cells)
     # Round the cells a ring of paper, then one of wall; borders between them at -paper, 0, 1 .. n, n + paper.
@@ -75,8 +83,8 @@ def reflectance(
     table[2:-2, 2:-2] = cells
     H = _pixel_to_cells(print_, K, n)
     x0, y0, x1, y1 = box
-    u = x0 - border - 0.5 + (np.arange((x1 - x0 + 2 * border) * samples) + 0.5) / samples
-    v = y0 - border - 0.5 + (np.arange((y1 - y0 + 2 * border) * samples) + 0.5) / samples
+    u = shift[0] + x0 - border - 0.5 + (np.arange((x1 - x0 + 2 * border) * samples) + 0.5) / samples
+    v = shift[1] + y0 - border - 0.5 + (np.arange((y1 - y0 + 2 * border) * samples) + 0.5) / samples
     wx, wy = _sample_width(H, 0.5 * (x0 + x1), 0.5 * (y0 + y1), samples)
     fine = np.empty((len(v), len(u)), np.float32)
     step = max(1, 200_000 // max(1, len(u)))  # blocks that stay in the cache
@@ -135,12 +143,14 @@ def white_share(
     samples: int | None = None,
     motion: ArrayLike = (0.0, 0.0),
     endless_paper: bool = False,
+    shift: tuple[float, float] = (0.0, 0.0),
 ) -> Array:
     """The exposed box (height, width): 0 ink, 1 paper; blurred, without noise.
 
     Args:
         motion: path of the picture during the exposure [px].
         endless_paper: no wall: the sheet never ends (what the estimator is told).
+        shift: of the pixels [px].
     """
     S = samples or samples_for(print_, camera)
     path: Array = np.asarray(motion, dtype=np.float64)
@@ -148,7 +158,7 @@ def white_share(
     black, white, wall = camera.levels
     outside = 1.0 if endless_paper else (wall - black) / (white - black)
     paper = 1e3 if endless_paper else camera.quiet_zone
-    fine = reflectance(print_, camera.K, box, S, paper, outside, border)
+    fine = reflectance(print_, camera.K, box, S, paper, outside, border, shift)
     if np.any(path):
         fine = cv2.filter2D(fine, -1, _line_kernel(np.multiply(path, float(S))), borderType=cv2.BORDER_REPLICATE)
     if camera.blur_sd > 0.0:

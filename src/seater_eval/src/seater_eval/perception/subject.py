@@ -28,7 +28,7 @@ def perception_parameters(config: str | Path) -> dict[str, Any]:
         raise ParameterError(f"cannot read {path}: {error}") from error
     values = copy.deepcopy(values)
     if isinstance(values, dict) and isinstance(values.get("pose"), dict) and "model_sigma" in values["pose"]:
-        values["pose"]["model_sigma"] = 0.0
+        values["pose"]["model_sigma"] = values["pose"]["placement_sigma"] = 0.0
     return dict(values) if isinstance(values, dict) else {}
 
 
@@ -56,6 +56,8 @@ def make_detector(
     ids: tuple[int, ...] = (0,),
 ) -> Any:
     """A DockDetector, or a DockTracker. Raises ParameterError naming the key."""
+    if tracking and not parameters.get("tracking", {}).get("enabled", True):
+        raise ParameterError("perception/tracking/enabled: is false, must be true where the track is measured")
     kind = sp.DockTracker if tracking else sp.DockDetector
     try:
         return kind(camera_model(camera), layout(size, prior, ids), parameters)

@@ -1,0 +1,148 @@
+// The track in the cases that go wrong in the field: covered and exchanged markers, jumps, changes of size, motion
+// blur.
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "scene.h"
+#include "seater_perception/dock_tracker.h"
+
+using namespace seater_perception;
+
+namespace {
+
+const Calibration kCamera = scene::calibration();
+
+scene::Print at(int id, double x, double z, double yaw = 0.2) {
+  return {id, 0.1, scene::upright({x, 0.02, z}, yaw)};
+}
+
+cv::Mat drawn(const std::vector<scene::Print>& prints, unsigned seed, const scene::Look& look = scene::Look()) {
+  return scene::draw(kCamera, "DICT_4X4_50", prints, look, seed);
+}
+
+/// Mean of the same scene along the path of an exposure: `path` [px] to the side, in steps of half a pixel.
+cv::Mat drawnMoving(const scene::Print& print, double path, unsigned seed) {
+  scene::Look sharp;
+  sharp.noise = 0.0;
+  const int steps = static_cast<int>(2.0 * path) + 1;
+  cv::Mat sum(kCamera.height, kCamera.width, CV_32F, cv::Scalar(0));
+  for (int k = 0; k < steps; ++k) {
+    scene::Print moved = print;
+    moved.T_optical_marker.translation().x() +=
+        (k / (steps - 1.0) - 0.5) * path * print.T_optical_marker.translation().z() / 640.0;
+    cv::Mat part;
+    drawn({moved}, 0, sharp).convertTo(part, CV_32F);
+    sum += part / steps;
+  }
+  cv::Mat noise(sum.size(), CV_32F), grey;
+  cv::RNG(seed).fill(noise, cv::RNG::NORMAL, 0.0, 3.0);
+  cv::Mat(sum + noise).convertTo(grey, CV_8U);
+  return grey;
+}
+
+void cover(cv::Mat& picture, const scene::Print& print, double from, double to) {
+  const auto corners = scene::trueCorners(kCamera, print);
+  const double width = corners[1].x() - corners[0].x();
+  const cv::Point a(cvRound(corners[0].x() + from * width), cvRound(corners[0].y() - 0.3 * width));
+  const cv::Point b(cvRound(corners[0].x() + to * width), cvRound(corners[2].y() + 0.3 * width));
+  cv::rectangle(picture, a, b, cv::Scalar(120), cv::FILLED);
+}
+
+DockTracker makeTracker(int full_search_every = 1000) {
+  PerceptionParameters parameters;
+  parameters.tracking.full_search_every = full_search_every;
+  return DockTracker(CameraModel::raw(kCamera), scene::defaultDock(), parameters, CameraMount());
+}
+
+std::vector<int> idsIn(const DetectionResult& result) {
+  std::vector<int> ids;
+  for (const auto& m : result.markers) ids.push_back(m.image.id);
+  return ids;
+}
+
+}  // namespace
+
+TEST(TrackerCases, aCoveredMarkerIsNotReportedAndComesBack) {
+  DockTracker tracker = makeTracker();
+  const scene::Print print = at(0, 0.0, 1.2);
+  const cv::Mat seen = drawn({print}, 1);
+  ASSERT_EQ(idsIn(tracker.detect(seen)), std::vector<int>{0});
+  for (unsigned k = 2; k < 5; ++k) {
+    cv::Mat covered = drawn({print}, k);
+    cover(covered, print, -0.3, 1.3);
+    EXPECT_TRUE(tracker.detect(covered).markers.empty());
+    cv::Mat half = drawn({print}, 10 + k);
+    cover(half, print, 0.4, 1.3);
+    EXPECT_TRUE(tracker.detect(half).markers.empty()) << "a half says too little of the code";
+  }
+  EXPECT_EQ(idsIn(tracker.detect(seen)), std::vector<int>{0});
+}
+
+// One of each pair of the dock's and of two strange ids, covered first or exchanged at once.
+TEST(TrackerCases, anotherMarkerInItsPlaceIsNeverTakenForIt) {
+  for (const double z : {0.6, 1.2, 2.5, 4.0}) {
+    for (const int other : {1, 2, 9, 33}) {
+      for (const bool covered_first : {false, true}) {
+        DockTracker tracker = makeTracker();
+        const scene::Print print = at(0, 0.0, z);
+        scene::Print strange = print;
+        strange.id = other;
+        ASSERT_EQ(idsIn(tracker.detect(drawn({print}, 1))), std::vector<int>{0}) << z;
+        if (covered_first) {
+          cv::Mat covered = drawn({print}, 2);
+          cover(covered, print, -0.3, 1.3);
+          EXPECT_TRUE(tracker.detect(covered).markers.empty());
+        }
+        for (unsigned k = 3; k < 6; ++k) {
+          const auto ids = idsIn(tracker.detect(drawn({strange}, k)));
+          EXPECT_EQ(ids, other < 3 ? std::vector<int>{other} : std::vector<int>{}) << z << " m, " << other;
+        }
+      }
+    }
+  }
+}
+
+TEST(TrackerCases, followsWithinTheMarginAndSearchesAfterAJump) {
+  for (const double jump : {0.005, 0.02, 0.06, 0.4, -0.5}) {  // [m] at 1.2 m: 3, 11, 32, 213, 267 px
+    DockTracker tracker = makeTracker();
+    tracker.detect(drawn({at(0, 0.0, 1.2)}, 1));
+    tracker.detect(drawn({at(0, 0.0, 1.2)}, 2));
+    const scene::Print after = at(0, jump, 1.2);
+    const auto result = tracker.detect(drawn({after}, 3));
+    ASSERT_EQ(idsIn(result), std::vector<int>{0}) << jump;
+    EXPECT_EQ(result.full_search, std::abs(jump) > 0.1) << jump;
+    EXPECT_LT((result.markers[0].best().pose.translation() - after.T_optical_marker.translation()).norm(), 0.003);
+  }
+}
+
+TEST(TrackerCases, followsAChangeOfSizeAndATurn) {
+  DockTracker tracker = makeTracker();
+  double z = 2.5, yaw = -0.3;
+  for (unsigned k = 0; k < 14; ++k) {
+    const scene::Print print{0, 0.1, scene::upright({0.05 * z, 0.0, z}, yaw, 0.0, 0.03 * k)};
+    const auto result = tracker.detect(drawn({print}, k));
+    ASSERT_EQ(idsIn(result), std::vector<int>{0}) << z;
+    EXPECT_EQ(result.full_search, k == 0) << z;
+    z *= k == 6 ? 0.75 : 0.88;  // once a third larger from one picture to the next
+    yaw += 0.05;
+  }
+}
+
+TEST(TrackerCases, keepsAMarkerThroughMotionBlur) {
+  for (const double side : {64.0, 120.0}) {
+    for (const double path : {4.0, 8.0}) {
+      DockTracker tracker = makeTracker();
+      double x = -0.1;
+      const double z = 64.0 / side;
+      ASSERT_EQ(idsIn(tracker.detect(drawn({at(0, x, z)}, 1))), std::vector<int>{0});
+      for (unsigned k = 2; k < 6; ++k) {
+        x += path * z / 640.0;
+        const auto result = tracker.detect(drawnMoving(at(0, x, z), path, k));
+        EXPECT_FALSE(result.full_search) << side << " px, path " << path;
+        EXPECT_EQ(idsIn(result), std::vector<int>{0}) << side << " px, path " << path;
+      }
+    }
+  }
+}
