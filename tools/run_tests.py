@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Run the tests of the built workspace: gtest, pytest, rostest, catkin_lint, ruff, mypy, clang-format.
+"""Run the tests of the built workspace: gtest, pytest, rostest, evaluation commands, catkin_lint, ruff, mypy, clang-format.
 
 Ends with one line `N passed, N failed`, with `, N skipped` where tests were skipped. Details are in results/test.
 """
@@ -7,6 +7,7 @@ Ends with one line `N passed, N failed`, with `, N skipped` where tests were ski
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import subprocess
 import sys
@@ -19,6 +20,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 OUTPUT = ROOT / "results" / "test"
 LONGEST = 1200  # [s] of one command
+EVALUATIONS = (
+    "docking_table", "solver_benchmark", "controller_campaign",
+    "perception_accuracy", "perception_range", "perception_speed",
+)  # fmt: skip
 
 
 @dataclass
@@ -171,12 +176,32 @@ def install_space() -> Tally:
     return check("install_space", ["bash", "test/install_space.sh", str(ROOT)])
 
 
+def evaluations() -> Tally:
+    """The evaluation commands' small versions: each bar counts as a test."""
+    tally = Tally()
+    for name in EVALUATIONS:
+        started = time.monotonic()
+        report = OUTPUT / "evaluation" / f"{name}.json"
+        report.unlink(missing_ok=True)
+        words = ["rosrun", "seater_eval", name, "--quick", "--results", str(report.parent), "--config", "config"]
+        code, log = command(name, words)
+        bars = json.loads(report.read_text())["bars"] if report.exists() else []
+        missed = [bar for bar in bars if not bar["met"]]
+        one = Tally(len(bars) - len(missed), len(missed), 0, [f"{name}: {bar}" for bar in missed])
+        if not bars or (code != 0) != bool(missed):
+            one.add(Tally(failed=1, problems=[f"{name}: exit code {code}, {len(missed)} bars missed\n{tail(log)}"]))
+        print(f"    {name}: {one} ({time.monotonic() - started:.0f} s)", flush=True)
+        tally.add(one)
+    return tally
+
+
 STAGES: dict[str, Callable[[], Tally]] = {
     "lint": lint,
     "gtest": gtests,
     "pytest": pytests,
     "install": install_space,
     "rostest": rostests,
+    "evaluation": evaluations,
 }
 
 

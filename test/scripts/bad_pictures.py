@@ -110,11 +110,19 @@ class BadPictures(unittest.TestCase):
     def test_good_picture_in_several_encodings(self) -> None:
         self.listen()
         self.assertAlmostEqual(self.find().markers[0].pose.pose.position.z, 0.1 * 640 / 200, delta=0.002)
-        colour = np.repeat(scene()[:, :, None], 3, axis=2)
-        for encoding in ("bgr8", "rgb8"):
-            self.send(image(colour, encoding), camera_info())
-            self.wait(lambda: bool(self.received))
-            self.assertEqual([m.id for m in self.received.pop().markers], [0])
+        grey = scene()
+        colour = np.repeat(grey[:, :, None], 3, axis=2)
+        chroma = np.full_like(grey, 128)
+        deep = (16 * grey.astype(np.uint16)).astype("<u2")  # a sensor of 12 bits
+        for encoding, picture in (
+            ("bgr8", colour), ("rgb8", colour), ("bgra8", np.dstack([colour, grey])), ("bayer_grbg8", grey),
+            ("yuv422", np.dstack([chroma, grey])), ("yuv422_yuy2", np.dstack([grey, chroma])),
+            ("mono16", deep), ("bayer_rggb16", deep), ("rgb16", np.repeat(deep[:, :, None], 3, axis=2)),
+        ):  # fmt: skip
+            with self.subTest(encoding):
+                self.send(image(picture, encoding), camera_info())
+                self.wait(lambda: bool(self.received))
+                self.assertEqual([m.id for m in self.received.pop().markers], [0])
 
     def test_nothing_is_made_of_what_cannot_be_used(self) -> None:
         self.listen()

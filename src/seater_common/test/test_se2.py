@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from seater_common.se2 import arc_step, compose, inverse, relative, transform_points, wrap_angle
+from seater_common.se2 import arc_step, compose, inverse, relative, transform_points, wrap_angle, wrap_angles
 
 
 @pytest.mark.parametrize(("angle", "wrapped"), [(0.0, 0.0), (4.0, 4.0 - 2 * math.pi), (-7.0, 2 * math.pi - 7.0)])
@@ -33,3 +33,9 @@ def test_arc_step_is_a_quarter_circle() -> None:
 
 def test_arc_step_is_smooth_through_straight() -> None:
     np.testing.assert_allclose(arc_step([1, 2, 0.5], 0.4, 0.0, 2.0), arc_step([1, 2, 0.5], 0.4, 1e-12, 2.0), atol=1e-11)
+
+
+def test_arrays_are_wrapped_as_single_angles_are() -> None:
+    angles = np.array([[-7.0, -3.2, -1.0], [0.0, 3.1, 9.5]])
+    single = [[wrap_angle(float(angle)) for angle in row] for row in angles]
+    assert wrap_angles(angles) == pytest.approx(np.array(single), abs=1e-12)

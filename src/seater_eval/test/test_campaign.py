@@ -90,6 +90,15 @@ def test_one_run_docks_and_comes_out_the_same_again(setup: Setup) -> None:
     assert "1 of 1 docked" in describe_campaign(data)
 
 
+def test_a_docking_comes_out_the_same_whatever_the_controller_did_before(setup: Setup) -> None:
+    """To the last bit: so results do not depend on how runs are shared out among workers."""
+    first, second = draw_cases(setup, 2, 1, NoiseModel(), False)
+    controller = DockingController(setup.chair, setup.dock, setup.parameters.control, deterministic=True)
+    controller.warm_up()
+    paths = [DockingRun(setup, case, controller).run(longest=3.0).poses for case in (first, second, first)]
+    assert np.array_equal(paths[0], paths[2]) and not np.array_equal(paths[0], paths[1])
+
+
 def test_a_chair_that_leaves_limits_and_view_is_caught(setup: Setup) -> None:
     """The watch is fed by hand: too fast a request, a jump, and a chair that looks away."""
     (case,) = draw_cases(setup, 1, 4, NoiseModel(), obstacles=False)

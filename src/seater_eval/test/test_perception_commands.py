@@ -1,5 +1,7 @@
 """Parts of the perception commands: conventions of the peers, errors, bars."""
 
+import os
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -8,10 +10,12 @@ import pytest
 from seater_eval.perception import subject
 from seater_eval.perception.accuracy_cells import bound_entry, nees_entry
 from seater_eval.perception.degraded_camera import load_degraded_camera
+from seater_eval.perception.long_run import run_long
 from seater_eval.perception.negatives import KINDS, negative
 from seater_eval.perception.peers import PEERS, dictionary_of, make_peer
 from seater_eval.perception.render import Print, clean_picture, corners_of, exposed
 from seater_eval.perception.scenes import facing, normal_error, normalised_error_squared, pose_error
+from seater_eval.perception_accuracy import accuracy_bars
 from seater_eval.perception_range import PAPER, range_bars
 from seater_eval.perception_speed import speed_bars
 
@@ -61,7 +65,8 @@ def test_bounds_of_the_normalised_error_hold_for_normal_errors() -> None:
 
 def test_median_length_of_a_bound() -> None:
     C = np.diag([0.0, 0.0, 4e-6, 1e-4, 1e-4, 1e-4]) + 1e-18 * np.eye(6)
-    rms, median, degrees = bound_entry(C)
+    rms, median, degrees, quantiles = bound_entry(C)
+    assert np.median(quantiles) == pytest.approx(median, rel=0.05)
     assert rms == pytest.approx(2.0)
     assert median == pytest.approx(2.0 * 0.6745, rel=0.05)
     assert degrees == pytest.approx(np.degrees(0.01 * np.sqrt(3.0)))
@@ -85,7 +90,8 @@ def range_data(far: float, near: float, plain: float, false: int) -> dict:
             {"method": "seater", "size": size, "far": False, "limit_m": near * nearest},
             {"method": "opencv_none", "size": size, "far": True, "limit_m": plain * farthest},
         ]
-    return {"limits": limits, "negatives": 10, "false_detections": {"noise": false}}
+    seen = [{"picture": 3, "kind": "noise", "method": "seater"}] * false
+    return {"limits": limits, "negatives": {"noise": 10}, "false_detections": seen}
 
 
 def test_range_bars() -> None:
@@ -106,3 +112,81 @@ def test_speed_bars() -> None:
     slow = [speed_row("seater search", 14.0), speed_row("seater tracking", 4.0), speed_row("opencv_none", 10.0)]
     assert not any(bar.met for bar in speed_bars({"rows": slow}))
     assert not any(bar.met for bar in speed_bars({"rows": good[2:]}))
+
+
+def accuracy_data(**changes: float) -> dict:
+    value = {"ours": 0.1, "bound": 0.06, "default": 2.0, "far": 0.9, "nees": 6.0, "seater": 0, "without": 1, "ippe": 5}
+    value |= {"found": 3000, "median": 1.0, "missed": 0} | changes
+
+    def cell(distance: float, ours: float) -> dict:
+        median = {"seater": ours, "opencv_default": value["default"] * distance / 0.5}
+        methods = {
+            name: {"position_mm": {"median": m}, "every_mm": [0.5 * m, m, 3.0 * m]} for name, m in median.items()
+        }
+        inside = 5.0 < value["nees"] < 7.0
+        bound = {"bound_median_mm": value["bound"], "bound_draws_mm": [value["bound"]] * 3}
+        return {
+            "size": 0.1,
+            "distance": distance,
+            "angle_deg": 0.0,
+            "methods": methods,
+            "nees": {"inside": inside},
+        } | bound
+
+    branches = {key: value[key] for key in ("seater", "ippe", "found")}
+    branches |= {"frames": 3000, "seater without prior": value["without"]}
+    ours = {"found": 15 - value["missed"], "median_mm": value["median"], "worst_mm": 9.0}
+    published = {"tags": 15, "seater": ours, "best_opencv_median_mm": 2.0, "best_opencv_worst_mm": 10.0}
+    return {
+        "quick": False,
+        "cells": [cell(0.5, value["ours"]), cell(2.84, value["far"])],
+        "branches": branches,
+        "published": published,
+    }
+
+
+def test_accuracy_bars() -> None:
+    assert all(bar.met for bar in accuracy_bars(accuracy_data()))
+    wrong = [
+        {"ours": 0.13}, {"default": 0.5}, {"far": 2.0}, {"nees": 8.0}, {"seater": 1}, {"found": 2000},
+        {"without": 2}, {"ippe": 0, "without": 0}, {"median": 3.0}, {"missed": 1},
+    ]  # fmt: skip
+    for change in wrong:
+        assert not all(bar.met for bar in accuracy_bars(accuracy_data(**change))), change
+    assert not all(bar.met for bar in accuracy_bars(accuracy_data() | {"published": None}))
+    few = accuracy_data(ippe=0, without=0) | {"quick": True}
+    assert len(accuracy_bars(few)) == len(accuracy_bars(accuracy_data())) - 1
+
+
+def test_errors_are_pooled_over_the_angles_of_a_distance() -> None:
+    data = accuracy_data()
+    data["cells"] += [dict(data["cells"][0], methods=accuracy_data(ours=0.2)["cells"][0]["methods"])]
+    bar = accuracy_bars(data)[0]
+    assert bar.value == pytest.approx(np.median([0.05, 0.1, 0.3, 0.1, 0.2, 0.6]) / 0.06)
+
+
+def job_that_is_interrupted_once(job: tuple[int, str]) -> int:
+    """Job 2 asks this process to end, the first time."""
+    number, folder = job
+    mark = Path(folder) / f"ran_{number}"
+    if number == 2 and not mark.exists():
+        mark.touch()
+        os.kill(os.getpid(), signal.SIGTERM)
+    mark.touch()
+    return 10 * number
+
+
+def test_an_interrupted_run_says_how_far_it_came_and_goes_on(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("seater_eval.parallel.cores", lambda: 1)
+    jobs, partial = [(number, str(tmp_path)) for number in range(4)], tmp_path / "some.partial"
+    with pytest.raises(SystemExit) as ended:
+        run_long(job_that_is_interrupted_once, jobs, label="some", config=CONFIG, partial=partial)
+    assert ended.value.code == 130
+    assert f"2 of 4 parts are kept in {partial}" in capsys.readouterr().out
+    (tmp_path / "ran_0").unlink()
+    assert run_long(job_that_is_interrupted_once, jobs, label="some", config=CONFIG, partial=partial) == [0, 10, 20, 30]
+    assert not (tmp_path / "ran_0").exists()  # its result was kept
+    assert not partial.exists()
+    assert any("libseater_perception" in file.name for file in subject.library_files())

@@ -16,7 +16,8 @@ for package in ("seater_nmpc", "seater_common"):
 
 from seater_common.geometry import Chair, Dock, clearance, pose_matrix  # noqa: E402
 from seater_common.se2 import arc_step, compose, inverse  # noqa: E402
-from seater_nmpc.controller import Command, DockingController  # noqa: E402
+from seater_nmpc.command import Command  # noqa: E402
+from seater_nmpc.controller import DockingController  # noqa: E402
 from seater_nmpc.measurement import Hypothesis  # noqa: E402
 from seater_nmpc.observer import DockObserver  # noqa: E402
 from seater_nmpc.odometry import Odometry  # noqa: E402

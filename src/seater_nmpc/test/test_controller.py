@@ -6,7 +6,8 @@ import pytest
 
 from seater_common.geometry import Chair, Dock, clearance
 from seater_common.se2 import arc_step, compose, relative
-from seater_nmpc.controller import DockingController, Status, _braked
+from seater_nmpc.command import Status
+from seater_nmpc.controller import DockingController
 from seater_nmpc.limits import clamp, in_bay
 from seater_nmpc.nlp import ProblemData, WarmStart
 from seater_nmpc.parameters import ControlParameters, Prediction
@@ -117,7 +118,7 @@ class FailingSolver:
 
 @pytest.fixture
 def failing(controller):
-    solver = FailingSolver(controller._solver)
+    solver = FailingSolver(controller._replanner._solver)
     return solver, DockingController(CHAIR, DOCK, deterministic=True, solver=solver)
 
 
@@ -158,12 +159,6 @@ def test_clamp_keeps_speed_acceleration_and_finiteness() -> None:
     assert clamp(CHAIR, 0.6, 0.0, (0.14, 0.0), PERIOD, True) == pytest.approx((0.15, 0.0))
     assert clamp(CHAIR, -0.6, 0.0, (-0.14, 0.0), PERIOD, True) == pytest.approx((-0.15, 0.0))
     assert clamp(CHAIR, math.nan, math.inf, (0.01, 0.0), PERIOD, False) == (0.0, 0.0)
-
-
-def test_braking_keeps_the_curvature() -> None:
-    assert _braked((0.3, 0.2), 0.025) == pytest.approx((0.275, 0.2 * 0.275 / 0.3))
-    assert _braked((-0.3, 0.2), 0.025) == pytest.approx((-0.275, 0.2 * 0.275 / 0.3))
-    assert _braked((0.02, 0.2), 0.025) == (0.0, 0.0)
 
 
 def test_prediction_rolls_through_commands_that_do_not_act_yet() -> None:

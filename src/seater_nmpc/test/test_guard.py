@@ -9,7 +9,8 @@ import pytest
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import arc_step
-from seater_nmpc.controller import DockingController, Status
+from seater_nmpc.command import Status
+from seater_nmpc.controller import DockingController
 from seater_nmpc.guard import GuardedSolver
 from seater_nmpc.limits import clamp
 from seater_nmpc.nlp import ProblemData, WarmStart
@@ -59,7 +60,7 @@ class Saboteur:
 def sabotaged(request):
     """Each solver in a controller without a clock, and the same solver's saboteur."""
     parameters = replace(ControlParameters(), solver=request.param, horizon=15, step=0.2)
-    problem = DockingController(CHAIR, DOCK, parameters)._problem
+    problem = DockingController(CHAIR, DOCK, parameters)._replanner._problem
     real = make_solver(problem.functions, parameters, problem.refinement, problem.curvature)
     saboteur = Saboteur(real)
     return saboteur, DockingController(CHAIR, DOCK, parameters, deterministic=True, solver=saboteur)
@@ -117,7 +118,7 @@ def test_a_late_result_is_not_used_but_gone_on_from(name) -> None:
     """With a clock. The limit is long, so that a loaded machine is not late by itself."""
     base = replace(ControlParameters(), solver=name, horizon=10, step=0.2)
     parameters = replace(base, ipopt=replace(base.ipopt, max_wall_time=0.5, max_wall_time_cold=5.0))
-    problem = DockingController(CHAIR, DOCK, parameters)._problem
+    problem = DockingController(CHAIR, DOCK, parameters)._replanner._problem
     saboteur = Saboteur(make_solver(problem.functions, parameters, problem.refinement, problem.curvature))
     controller = DockingController(CHAIR, DOCK, parameters, solver=saboteur)
     controller.warm_up()

@@ -119,6 +119,21 @@ def test_the_navigator_plans_anew_when_obstacles_move_or_the_chair_strays() -> N
     assert navigator._guide is not guide
 
 
+def test_a_way_that_obstacles_leave_clear_is_kept_without_a_search(monkeypatch) -> None:
+    navigator = Navigator(CHAIR, DOCK, CONTROL, replace(PARAMETERS, cell=0.2))
+    navigator.see([BOX])
+    navigator.target(BEHIND_THE_BOX)
+    guide, searches = navigator._guide, []
+    monkeypatch.setattr(Planner, "_search", lambda planner: searches.append(planner))
+    navigator.see([BOX + [0.0, 0.06]] if guide.rest()[:, 1].mean() < 0.0 else [BOX - [0.0, 0.06]])  # away from the way
+    navigator.see([])
+    navigator.target(BEHIND_THE_BOX)
+    assert navigator._guide is guide and not searches
+    monkeypatch.undo()
+    navigator.see([BOX + guide.rest()[3, :2] - BOX.mean(axis=0)])
+    assert navigator._guide is None
+
+
 @pytest.mark.parametrize(
     ("start", "middle", "half"),
     [

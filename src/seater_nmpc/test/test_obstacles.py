@@ -5,8 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from seater_common.se2 import transform_points
-from seater_nmpc.obstacles import ObstacleMemory, usable_outlines
+rospy = pytest.importorskip("rospy")
+pytest.importorskip("tf2_ros")
+from geometry_msgs.msg import Point32, Polygon  # noqa: E402
+from transforms import Transforms  # noqa: E402
+
+from seater_common.se2 import inverse, transform_points  # noqa: E402
+from seater_msgs.msg import ObstacleArray  # noqa: E402
+from seater_nmpc.obstacles import ObstacleMemory, usable_outlines  # noqa: E402
+from seater_nmpc.ros.obstacles import Obstacles  # noqa: E402
 
 BOX = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 DOCK = np.array([3.0, -1.0, 0.7])
@@ -69,3 +76,56 @@ def test_without_a_time_out_they_hold() -> None:
     memory.replace([BOX], bound_to_dock=True)
     assert [memory.forget_stale(now) for now in (0.0, 1e6)] == [False, False]
     assert len(memory.in_dock(None)) == 1
+
+
+@pytest.fixture
+def silent(monkeypatch) -> None:
+    monkeypatch.setattr(rospy, "logwarn", lambda *_: None)
+    monkeypatch.setattr(rospy, "logwarn_throttle", lambda *_: None)
+
+
+def told(frame: str, outline=BOX, stamp: float = 1.0) -> ObstacleArray:
+    message = ObstacleArray()
+    message.header.frame_id, message.header.stamp = frame, rospy.Time.from_sec(stamp)
+    message.polygons = [Polygon([Point32(x, y, 0.3) for x, y in outline])]
+    return message
+
+
+def ordered(outline: np.ndarray) -> np.ndarray:
+    """Corners in an order that does not depend on which of them comes first."""
+    return outline[np.lexsort(np.round(outline, 3).T)]
+
+
+def test_obstacles_of_a_sensor_are_placed_by_tf_at_their_own_stamp(silent) -> None:
+    """The chair drove on between the measurement and the message: where it was then counts."""
+    transforms, then, now = Transforms(), np.array([2.0, 0.5, 0.3]), np.array([2.5, 0.6, 0.4])
+    transforms.put("odom", "laser", then, 1.0)
+    transforms.put("odom", "laser", now, 2.0)
+    obstacles = Obstacles(transforms, "dock", 0.0)
+    obstacles.take(told("laser"), "odom")
+    (seen,) = obstacles.now(2.0, "odom", DOCK)
+    assert ordered(seen) == pytest.approx(
+        ordered(transform_points(inverse(DOCK), transform_points(then, BOX))), abs=1e-6
+    )
+
+
+def test_obstacles_in_odom_and_at_the_dock_need_no_transform(silent) -> None:
+    obstacles = Obstacles(Transforms(), "dock", 0.0)
+    obstacles.take(told("odom"), "odom")
+    (seen,) = obstacles.now(1.0, "odom", DOCK)
+    assert ordered(seen) == pytest.approx(ordered(transform_points(inverse(DOCK), BOX)), abs=1e-6)
+    obstacles.take(told("dock"), "odom")
+    (seen,) = obstacles.now(1.0, "odom", None)
+    assert seen == pytest.approx(BOX)
+
+
+def test_without_its_transform_a_message_waits_and_the_last_one_holds(silent) -> None:
+    transforms = Transforms()
+    obstacles = Obstacles(transforms, "dock", 0.0)
+    obstacles.take(told("dock"), "odom")
+    obstacles.take(told("laser", BOX + 5.0), "odom")
+    (seen,) = obstacles.now(1.0, "odom", DOCK)
+    assert seen == pytest.approx(BOX)
+    transforms.put("odom", "laser", np.zeros(3), 1.0)
+    (seen,) = obstacles.now(1.05, "odom", np.zeros(3))
+    assert seen == pytest.approx(BOX + 5.0, abs=1e-6)

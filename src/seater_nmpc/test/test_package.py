@@ -10,7 +10,8 @@ import yaml
 from seater_common.geometry import CameraMount, Chair, Dock
 from seater_common.params import ParameterError, as_mapping, load
 from seater_common.se2 import inverse
-from seater_nmpc.controller import DockingController, Status
+from seater_nmpc.command import Status
+from seater_nmpc.controller import DockingController
 from seater_nmpc.observer import DockObserver
 from seater_nmpc.odometry import Odometry
 from seater_nmpc.parameters import NmpcParameters

@@ -6,7 +6,7 @@ import pytest
 from conftest import T_ODOM_DOCK, World, observation
 
 from seater_common.se2 import compose, inverse
-from seater_nmpc.controller import Command, Status
+from seater_nmpc.command import Command, Status
 from seater_nmpc.odometry import Odometry
 from seater_nmpc.results import Phase, Result, ResultCode, Step
 

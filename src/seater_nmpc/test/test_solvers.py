@@ -9,8 +9,9 @@ import pytest
 
 from seater_common.geometry import Chair, Dock, clearance
 from seater_common.se2 import arc_step
+from seater_nmpc.command import Status
 from seater_nmpc.constraints import _best_angle
-from seater_nmpc.controller import DockingController, Status
+from seater_nmpc.controller import DockingController
 from seater_nmpc.geometry import dock_areas
 from seater_nmpc.model import augmented_step, step_curvature
 from seater_nmpc.nlp import WarmStart
@@ -121,11 +122,11 @@ def test_a_failed_quadratic_programme_leads_to_the_fallback(rti_controller, monk
     controller = rti_controller
     controller.reset()
     pose, velocity = np.array([-2.5, 0.3, -0.1]), (0.0, 0.0)
-    true_data, statuses = controller._problem.data, []
+    true_data, statuses = controller._replanner._problem.data, []
     for k in range(24):
         impossible = 10 <= k < 14
         data = (lambda *given: _impossible(true_data(*given))) if impossible else true_data
-        monkeypatch.setattr(controller._problem, "data", data)
+        monkeypatch.setattr(controller._replanner._problem, "data", data)
         command = controller.command(pose, velocity, [0.0, 0.0, 0.0], stamp=0.05 * k)
         velocity = (command.v, command.omega)
         pose = arc_step(pose, *velocity, 0.05)

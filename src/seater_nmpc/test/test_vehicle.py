@@ -10,7 +10,8 @@ from conftest import World
 
 from seater_common.geometry import CameraMount, Chair, Dock, pose_matrix
 from seater_common.se2 import arc_step, compose
-from seater_nmpc.controller import Command, DockingController
+from seater_nmpc.command import Command
+from seater_nmpc.controller import DockingController
 from seater_nmpc.observer import DockObserver
 from seater_nmpc.odometry import Odometry
 from seater_nmpc.parameters import ControlParameters

@@ -1,6 +1,5 @@
 #include "seater_perception/image_checks.h"
 
-#include <array>
 #include <opencv2/core.hpp>
 
 #include "seater_perception/camera_model.h"
@@ -22,18 +21,6 @@ void checkPicture(const cv::Mat& grey, const CameraModel& camera) {
                        ", its calibration is for " + std::to_string(camera.width()) + " x " +
                        std::to_string(camera.height()));
   }
-}
-
-void checkEncoding(const std::string& encoding) {
-  static const std::array<const char*, 20> known = {
-      "mono8",       "mono16",      "bgr8",         "rgb8",         "bgra8",        "rgba8",       "bgr16",
-      "rgb16",       "bgra16",      "rgba16",       "yuv422",       "yuv422_yuy2",  "bayer_rggb8", "bayer_bggr8",
-      "bayer_gbrg8", "bayer_grbg8", "bayer_rggb16", "bayer_bggr16", "bayer_gbrg16", "bayer_grbg16"};
-  for (const char* name : known) {
-    if (encoding == name) return;
-  }
-  throw PictureError("the picture's encoding is '" + encoding +
-                     "', must be mono, bgr, rgb, bgra, rgba, yuv422 or bayer of 8 or 16 bits");
 }
 
 }  // namespace seater_perception

@@ -181,6 +181,18 @@ SEATER_VECTOR_CLONES void addDerivatives(const Hits& hits, const Response& respo
   }
 }
 
+/// What the point-spread function sees beyond the sheet.
+SEATER_VECTOR_CLONES void addOutside(const Hits& hits, float half_sheet, float share, int n,
+                                     float* __restrict outside) {
+  for (int i = 0; i < n; ++i) {
+    const float x = normalAt((half_sheet - hits.x[i]) * hits.ix[i]).distribution -
+                    normalAt((-half_sheet - hits.x[i]) * hits.ix[i]).distribution;
+    const float y = normalAt((half_sheet - hits.y[i]) * hits.iy[i]).distribution -
+                    normalAt((-half_sheet - hits.y[i]) * hits.iy[i]).distribution;
+    outside[i] += share * (1.0F - x * y);
+  }
+}
+
 }  // namespace
 
 void renderChunk(const PixelBatch& batch, int first, int n, const MarkerView& view, int blur, Chunk& chunk) {
@@ -192,6 +204,7 @@ void renderChunk(const PixelBatch& batch, int first, int n, const MarkerView& vi
     const float offset = view.rays == 1 ? 0.0F : kSubOffset;
     meet(batch, first, n, view, ray % 2 ? offset : -offset, ray / 2 ? offset : -offset, hits);
     smooth(batch, first, n, hits, response);
+    if (view.half_sheet > 0.0F) addOutside(hits, view.half_sheet, share, n, chunk.outside);
     addDerivatives(hits, response, view, blur, share, n, chunk);
   }
 }

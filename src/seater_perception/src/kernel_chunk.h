@@ -13,6 +13,7 @@ constexpr int kMostBorders = 6;  // felt along one axis; more only if the blur i
 struct Chunk {
   alignas(64) float white[kChunk];
   alignas(64) float by[9][kChunk];
+  alignas(64) float outside[kChunk];  // share that is beyond the quiet zone
 };
 
 /// Pixels first .. first + n - 1 of the batch (n a multiple of PixelBatch::kLanes, at most kChunk).

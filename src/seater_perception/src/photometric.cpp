@@ -103,7 +103,7 @@ struct PhotometricRefiner::Workspace {
 
   /// Pixels of all markers, the same for all fits; returns the widest blur of the fits, for which they are meant [px].
   double collectAll(const PhotometricParameters& parameters, const cv::Mat& grey, const CameraModel& camera,
-                    const Placements& placements, const std::vector<SeedFit>& fits, double margin, int most) {
+                    const Placements& placements, const std::vector<SeedFit>& fits, double margin, int most, bool rim) {
     double blur = 0.0, sides = 0.0, apart = 0.0;
     const SeedFit* first = nullptr;
     for (const SeedFit& fit : fits) {
@@ -118,7 +118,7 @@ struct PhotometricRefiner::Workspace {
       samples[m].clear();
       if (first) {
         collector.collect(grey, camera, placements[m], first->state.pose * placements[m].T_object_marker, blur,
-                          margin + apart, most, parameters, samples[m]);
+                          margin + apart, most, rim, parameters, samples[m]);
       }
     }
     return blur;
@@ -164,7 +164,8 @@ std::vector<SeedFit> PhotometricRefiner::Workspace::fitAll(const PhotometricPara
     const bool first = round == 0;
     const double margin = first ? parameters.margin : kFineMargin;
     const int most = first ? std::min(kSparse, parameters.max_pixels) : parameters.max_pixels;
-    const double blur = collectAll(parameters, grey, camera, placements, fits, margin, most);
+    const double blur =
+        collectAll(parameters, grey, camera, placements, fits, margin, most, parameters.illumination_slope && !first);
     problem.set(camera, placements, samples, blurOf(parameters.blur), parameters.illumination_slope && !first);
     std::vector<Eigen::Isometry3d> before;
     for (SeedFit& fit : fits) {

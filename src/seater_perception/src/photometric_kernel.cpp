@@ -20,7 +20,7 @@ struct Rows {
 
 /// Everything of a fit's state that the chunks need, in single precision.
 struct Light {
-  float offset, gain, slope_u, slope_v;
+  float offset, gain, slope_u, slope_v, rim;
   float scale_limit;  // of the loss [grey levels]
   float low, high;    // means beyond may be clipped
   bool tukey;
@@ -33,7 +33,7 @@ SEATER_VECTOR_CLONES bool lightUp(const PixelBatch& batch, int first, int n, con
   int near = 0;
   for (int i = 0; i < n; ++i) {
     const float factor = 1.0F + light.slope_u * pu[i] + light.slope_v * pv[i];
-    const float mean = factor * (light.offset + light.gain * chunk.white[i]);
+    const float mean = factor * (light.offset + light.gain * chunk.white[i] - light.rim * chunk.outside[i]);
     rows.mean[i] = mean;
     rows.pass[i] = 1.0F;
     near |= static_cast<int>(mean < light.low) | static_cast<int>(mean > light.high);
@@ -56,13 +56,15 @@ SEATER_VECTOR_CLONES void fillRows(const PixelBatch& batch, int first, int n, co
   }
   for (int i = 0; i < n; ++i) {
     const float factor = 1.0F + light.slope_u * pu[i] + light.slope_v * pv[i];
-    const float pass = root[i] * rows.pass[i], base = light.offset + light.gain * chunk.white[i];
+    const float pass = root[i] * rows.pass[i],
+                base = light.offset + light.gain * chunk.white[i] - light.rim * chunk.outside[i];
     by_white[i] = pass * factor * light.gain;
     rows.J[shared][i] = pass * factor;
     rows.J[shared + 1][i] = pass * factor * chunk.white[i];
     rows.J[shared + 2][i] = pass * base * pu[i];
     rows.J[shared + 3][i] = pass * base * pv[i];
-    // With two unknowns of brightness, the residual takes the slopes' place.
+    rows.J[shared + 4][i] = -pass * factor * chunk.outside[i];
+    // With fewer unknowns of brightness, the residual takes the next one's place.
     rows.J[shared + unknowns][i] = root[i] * residual[i];
   }
   for (int k = 0; k < shared; ++k) {
@@ -91,6 +93,7 @@ Light lightOf(const Brightness& b, const Weighing& weighing) {
           f(b.gain),
           f(b.slope_u),
           f(b.slope_v),
+          f(b.rim),
           f((tukey ? weighing.tukey : kHuber) * weighing.scale),
           f(range.low + kClipReach * sd),
           f(range.high - kClipReach * sd),
@@ -104,7 +107,7 @@ int chunkLength(int count, int first) {
 
 }  // namespace
 
-bool MarkerView::make(const Eigen::Isometry3d& pose, double per_metre, double fx, double fy,
+bool MarkerView::make(const Eigen::Isometry3d& pose, double per_metre, double half_sheet, double fx, double fy,
                       const SpreadCovariance& spread, const MarkerSamples& samples, MarkerView& view) {
   const Eigen::Matrix3d R = pose.linear().transpose();  // rows: the marker's axes
   const Eigen::Vector3d t = per_metre * (R * pose.translation());
@@ -126,6 +129,7 @@ bool MarkerView::make(const Eigen::Isometry3d& pose, double per_metre, double fx
   row(2, view.along);
   view.r1x = f(by_x[0]), view.r1y = f(by_y[0]), view.r2x = f(by_x[1]), view.r2y = f(by_y[1]);
   view.r3x = f(by_x[2]), view.r3y = f(by_y[2]);
+  view.half_sheet = f(half_sheet);
   view.depth = f(t.z());
   view.inverse_depth = f(1.0 / t.z());
   view.spread = spread;

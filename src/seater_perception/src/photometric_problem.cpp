@@ -10,6 +10,7 @@ namespace {
 
 // Steps of a slope are damped as if this were known of it: keeps tiny markers solvable.
 constexpr double kSlopeSd = 0.3;
+constexpr double kRimSd = 0.4;              // the same of the rim, in ranges of the sensor
 constexpr std::size_t kSpreadPixels = 600;  // are enough for a median
 
 Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
@@ -26,7 +27,8 @@ void PhotometricProblem::set(const CameraModel& camera, const std::vector<Patter
   samples_ = &samples;
   fx_ = camera.fx(), fy_ = camera.fy();
   blur_ = static_cast<int>(blur);
-  brightness_ = slopes ? 4 : 2;
+  const bool rim = std::any_of(samples.begin(), samples.end(), [](const auto& s) { return s.half_sheet > 0.0; });
+  brightness_ = slopes ? (rim ? 5 : 4) : 2;
   blocks_.assign(samples.size(), Block::Zero());
   if (residuals_.size() < samples.size()) {
     residuals_.resize(samples.size());
@@ -56,12 +58,13 @@ bool PhotometricProblem::view(std::size_t m, const PhotometricState& state, Mark
   const PatternPlacement& placement = (*placements_)[m];
   const SpreadCovariance spread = withArea(state.blur, samples.rays_per_pixel);
   const double per_metre = placement.pattern.cells() / placement.size;
-  return possible(spread) &&
-         MarkerView::make(state.pose * placement.T_object_marker, per_metre, fx_, fy_, spread, samples, view);
+  return possible(spread) && MarkerView::make(state.pose * placement.T_object_marker, per_metre, samples.half_sheet,
+                                              fx_, fy_, spread, samples, view);
 }
 
 bool PhotometricProblem::evaluate(const PhotometricState& state, const Weighing& weighing, double part) {
-  slope_damping_ = weighing.scale * weighing.scale / (kSlopeSd * kSlopeSd);
+  slope_damping_ = std::pow(weighing.scale / kSlopeSd, 2);
+  rim_damping_ = std::pow(weighing.scale / (kRimSd * (weighing.range.high - weighing.range.low)), 2);
   block_squares_ = 0.0;
   for (std::size_t m = 0; m < samples_->size(); ++m) {
     blocks_[m].setZero();
@@ -103,8 +106,8 @@ void PhotometricProblem::addBlocks(std::size_t m, const Brightness& b, const Wei
     const double a = std::abs(r) / weighing.scale, u = std::min(1.0, a / weighing.tukey);
     const double tukey = (1.0 - u * u) * (1.0 - u * u), huber = a < kHuber ? 1.0 : kHuber / a;
     const double w = block.count * (weighing.loss == RobustLoss::tukey ? tukey : huber);
-    double J[5] = {pass * light, pass * light * block.white, pass * base * block.pu, pass * base * block.pv, r};
-    if (brightness_ == 2) J[2] = r;
+    double J[6] = {pass * light, pass * light * block.white, pass * base * block.pu, pass * base * block.pv, 0.0, r};
+    J[brightness_] = r;
     for (int i = 0; i <= brightness_; ++i) {
       for (int j = i; j <= brightness_; ++j) sum[first + i][first + j] += w * J[i] * J[j];
     }

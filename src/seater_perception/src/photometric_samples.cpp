@@ -13,14 +13,10 @@ constexpr double kBoxVariance = 1.0 / 12.0;
 constexpr double kSubVariance = 0.0645497224;  // of the four rays of a pixel: sqrt(1 / 240)
 constexpr double kNarrowBlur = 0.45;           // [px] below, the box's own shape shows: 0.3 % of the contrast
 constexpr int kMostBorders = 6;
-constexpr double kFeltReach = 3.4;  // [standard deviations] beyond it a border is not felt: 3e-4
-constexpr int kBuckets = 4;         // pixels are dealt into so many, one after the other
-
-/// Reads 8 and 16 bit pictures alike.
-float greyAt(const cv::Mat& grey, int u, int v) {
-  return grey.depth() == CV_16U ? static_cast<float>(grey.ptr<ushort>(v)[u])
-                                : static_cast<float>(grey.ptr<uchar>(v)[u]);
-}
+constexpr double kFeltReach = 3.4;   // [standard deviations] beyond it a border is not felt: 3e-4
+constexpr double kSheetReach = 2.2;  // [standard deviations] from the sheet's end, its surroundings are hardly felt
+constexpr int kTableRing = 8;        // [cells] beyond the pattern, in the table of what borders look like
+constexpr int kBuckets = 4;          // pixels are dealt into so many, one after the other
 
 /// How many borders along an axis each pixel has to look at: nearest ones of this blur [cells], which is `off` wrong.
 int bordersFelt(double sd, double off) {
@@ -41,22 +37,19 @@ void resize(PixelBatch& batch, int count, int borders, bool bent) {
   batch.pattern.resize(n * static_cast<std::size_t>(batch.planes()));
 }
 
-/// The pattern round the borders of pixel i, see PixelBatch::pattern.
-void fillPattern(const MarkerPattern& pattern, int column, int row, std::size_t i, PixelBatch& batch) {
-  const int n = pattern.cells(), K = batch.borders;
+/// The pattern round borders column ... and row ... (first ones), see PixelBatch::pattern.
+void patternAt(const MarkerPattern& pattern, int column, int row, int K, float* out) {
+  const int n = pattern.cells();
   const auto cell = [&](int c, int r) {
     return static_cast<float>(pattern.at(std::clamp(c, -1, n), std::clamp(r, -1, n)));
   };
-  const float base = cell(column - 1, row - 1);
-  batch.plane(0)[i] = base;
-  for (int k = 0; k < K; ++k) {
-    batch.plane(1 + k)[i] = cell(column + k, row - 1) - cell(column + k - 1, row - 1);
-    batch.plane(1 + K + k)[i] = cell(column - 1, row + k) - cell(column - 1, row + k - 1);
-  }
+  *out++ = cell(column - 1, row - 1);
+  for (int k = 0; k < K; ++k) *out++ = cell(column + k, row - 1) - cell(column + k - 1, row - 1);
+  for (int k = 0; k < K; ++k) *out++ = cell(column - 1, row + k) - cell(column - 1, row + k - 1);
   for (int b = 0; b < K; ++b) {
     for (int a = 0; a < K; ++a) {
-      batch.plane(1 + 2 * K + b * K + a)[i] = cell(column + a, row + b) - cell(column + a - 1, row + b) -
-                                              cell(column + a, row + b - 1) + cell(column + a - 1, row + b - 1);
+      *out++ = cell(column + a, row + b) - cell(column + a - 1, row + b) - cell(column + a, row + b - 1) +
+               cell(column + a - 1, row + b - 1);
     }
   }
 }
@@ -92,19 +85,35 @@ bool SampleCollector::sheetBox(const CameraModel& camera, const PatternPlacement
 
 void SampleCollector::collect(const cv::Mat& grey, const CameraModel& camera, const PatternPlacement& placement,
                               const Eigen::Isometry3d& T_optical_marker, double blur_sd, double margin, int most,
-                              const PhotometricParameters& parameters, MarkerSamples& samples) {
+                              bool rim, const PhotometricParameters& parameters, MarkerSamples& samples) {
   samples.clear();
   PixelBox box;
   if (!sheetBox(camera, placement, T_optical_marker, parameters.quiet_zone, box)) return;
   if (!grid_.make(camera, box.u0, box.v0, box.u1, box.v1)) return;
   samples.rays_per_pixel = raysPerPixel(blur_sd);
   candidates_.clear();
-  PixelWalk walk(grey, placement, T_optical_marker, std::sqrt(blur_sd * blur_sd + kBoxVariance), margin, parameters,
-                 grid_);
+  const double sd = std::sqrt(blur_sd * blur_sd + kBoxVariance), n = placement.pattern.cells();
+  const double area = (box.u1 - box.u0) * static_cast<double>(box.v1 - box.v0);
+  const double cells_per_pixel = (n + 2.0 * parameters.quiet_zone) / std::sqrt(area);
+  // Whether the pixels near the print's outer border see what lies beyond the sheet.
+  rim = rim && parameters.quiet_zone < ((parameters.reach + kSheetReach) * sd + margin) * cells_per_pixel;
+  samples.half_sheet = rim ? 0.5 * n + parameters.quiet_zone : 0.0;
+  PixelWalk walk(grey, placement, T_optical_marker, sd, margin, parameters, grid_, rim);
   walk.run(box, candidates_, samples);
   if (candidates_.empty()) return;
   samples.batch.borders = bordersFelt(walk.widest(), walk.off());
   fill(grey, camera, placement.pattern, box, most, samples);
+}
+
+void SampleCollector::tabulate(const MarkerPattern& pattern, const PixelBatch& batch) {
+  const int side = pattern.cells() + 2 * kTableRing + 1, planes = batch.planes();
+  table_.resize(static_cast<std::size_t>(side * side * planes));
+  for (int row = 0; row < side; ++row) {
+    for (int column = 0; column < side; ++column) {
+      patternAt(pattern, column - kTableRing, row - kTableRing, batch.borders,
+                table_.data() + static_cast<std::size_t>((row * side + column) * planes));
+    }
+  }
 }
 
 void SampleCollector::fill(const cv::Mat& grey, const CameraModel& camera, const MarkerPattern& pattern,
@@ -113,47 +122,77 @@ void SampleCollector::fill(const cv::Mat& grey, const CameraModel& camera, const
   const int count = static_cast<int>(std::min<std::int64_t>(all, most));
   PixelBatch& batch = samples.batch;
   resize(batch, count, batch.borders, !grid_.linear());
+  tabulate(pattern, batch);
   const double half = 0.5 * std::max(box.u1 - box.u0, box.v1 - box.v0);
   const double mu = 0.5 * (box.u0 + box.u1), mv = 0.5 * (box.v0 + box.v1);
   const PixelRay middle = grid_.at(mu, mv);
   samples.ray_x = middle.x;
   samples.ray_y = middle.y;
-  const float centre = 0.5F * static_cast<float>(pattern.cells()),
-              before = 0.5F * static_cast<float>(batch.borders - 1);
-  const double fx = camera.fx(), fy = camera.fy();
-  batch.x_min = batch.y_min = 1e9F;
-  batch.x_max = batch.y_max = -1e9F;
+  setRange(box, camera, samples);
   // Dealt into buckets that follow one another: the first one alone is spread over the whole marker.
-  std::size_t i = 0;
-  const auto add = [&](const PixelCandidate& c) {
-    batch.grey[i] = greyAt(grey, c.u, c.v);
+  order_.clear();
+  for (int bucket = 0; bucket < kBuckets; ++bucket) {
+    for (int k = bucket; k < count; k += kBuckets) order_.push_back(static_cast<int>(k * all / count));
+  }
+  order_.resize(static_cast<std::size_t>(batch.padded), 0);
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const PixelCandidate& c = candidates_[static_cast<std::size_t>(order_[i])];
+    batch.grey[i] = grey.depth() == CV_16U ? grey.ptr<ushort>(c.v)[c.u] : grey.ptr<uchar>(c.v)[c.u];
     batch.pu[i] = static_cast<float>((c.u - mu) / half);
     batch.pv[i] = static_cast<float>((c.v - mv) / half);
-    if (!batch.bent) {
-      batch.x[i] = static_cast<float>(c.u - mu);
-      batch.y[i] = static_cast<float>(c.v - mv);
-    } else {
-      const PixelRay ray = grid_.at(c.u, c.v);
-      batch.x[i] = static_cast<float>(fx * (ray.x - middle.x));
-      batch.y[i] = static_cast<float>(fy * (ray.y - middle.y));
-      batch.xu[i] = static_cast<float>(fx * ray.x_by_u - 1.0);
-      batch.xv[i] = static_cast<float>(fx * ray.x_by_v);
-      batch.yu[i] = static_cast<float>(fy * ray.y_by_u);
-      batch.yv[i] = static_cast<float>(fy * ray.y_by_v - 1.0);
-    }
-    batch.x_min = std::min(batch.x_min, batch.x[i]), batch.x_max = std::max(batch.x_max, batch.x[i]);
-    batch.y_min = std::min(batch.y_min, batch.y[i]), batch.y_max = std::max(batch.y_max, batch.y[i]);
-    const int column = static_cast<int>(std::floor(c.x - before + 0.5F));
-    const int row = static_cast<int>(std::floor(c.y - before + 0.5F));
-    batch.column[i] = static_cast<float>(column) - centre;
-    batch.row[i] = static_cast<float>(row) - centre;
-    fillPattern(pattern, column, row, i, batch);
-    ++i;
-  };
-  for (int bucket = 0; bucket < kBuckets; ++bucket) {
-    for (int k = bucket; k < count; k += kBuckets) add(candidates_[static_cast<std::size_t>(k * all / count)]);
+    batch.x[i] = static_cast<float>(c.u - mu);
+    batch.y[i] = static_cast<float>(c.v - mv);
   }
-  while (i < static_cast<std::size_t>(batch.padded)) add(candidates_.front());
+  if (batch.bent) bendRays(camera, samples);
+  fillPattern(pattern.cells(), batch);
+}
+
+/// First borders and pattern of each pixel.
+void SampleCollector::fillPattern(int cells, PixelBatch& batch) {
+  const int side = cells + 2 * kTableRing + 1, planes = batch.planes();
+  const float centre = 0.5F * static_cast<float>(cells), before = 0.5F * static_cast<float>(batch.borders);
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const PixelCandidate& c = candidates_[static_cast<std::size_t>(order_[i])];
+    // Nearest ones: floor of what is above -kTableRing.
+    const int column = static_cast<int>(c.x - before + 1.0F + kTableRing);
+    const int row = static_cast<int>(c.y - before + 1.0F + kTableRing);
+    batch.column[i] = static_cast<float>(column - kTableRing) - centre;
+    batch.row[i] = static_cast<float>(row - kTableRing) - centre;
+    const float* from = table_.data() + static_cast<std::size_t>((row * side + column) * planes);
+    float* to = batch.pattern.data() + i;
+    for (int k = 0; k < planes; ++k, to += batch.padded) *to = from[k];
+  }
+}
+
+void SampleCollector::bendRays(const CameraModel& camera, MarkerSamples& samples) {
+  PixelBatch& batch = samples.batch;
+  const double fx = camera.fx(), fy = camera.fy();
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const PixelCandidate& c = candidates_[static_cast<std::size_t>(order_[i])];
+    const PixelRay ray = grid_.at(c.u, c.v);
+    batch.x[i] = static_cast<float>(fx * (ray.x - samples.ray_x));
+    batch.y[i] = static_cast<float>(fy * (ray.y - samples.ray_y));
+    batch.xu[i] = static_cast<float>(fx * ray.x_by_u - 1.0);
+    batch.xv[i] = static_cast<float>(fx * ray.x_by_v);
+    batch.yu[i] = static_cast<float>(fy * ray.y_by_u);
+    batch.yv[i] = static_cast<float>(fy * ray.y_by_v - 1.0);
+  }
+}
+
+/// Of the box's outline: no ray of a pixel is beyond.
+void SampleCollector::setRange(const PixelBox& box, const CameraModel& camera, MarkerSamples& samples) const {
+  PixelBatch& batch = samples.batch;
+  batch.x_min = batch.y_min = 1e9F;
+  batch.x_max = batch.y_max = -1e9F;
+  for (int i = 0; i < 8; ++i) {
+    static constexpr int kU[] = {0, 1, 2, 2, 2, 1, 0, 0}, kV[] = {0, 0, 0, 1, 2, 2, 2, 1};
+    const PixelRay ray =
+        grid_.at(0.5 * (box.u0 * (2 - kU[i]) + box.u1 * kU[i]), 0.5 * (box.v0 * (2 - kV[i]) + box.v1 * kV[i]));
+    const auto x = static_cast<float>(camera.fx() * (ray.x - samples.ray_x));
+    const auto y = static_cast<float>(camera.fy() * (ray.y - samples.ray_y));
+    batch.x_min = std::min(batch.x_min, x), batch.x_max = std::max(batch.x_max, x);
+    batch.y_min = std::min(batch.y_min, y), batch.y_max = std::max(batch.y_max, y);
+  }
 }
 
 }  // namespace seater_perception

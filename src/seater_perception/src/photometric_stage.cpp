@@ -17,6 +17,10 @@ constexpr double kSideForDecision = 40.0;  // [px] smaller markers' corners do n
 constexpr double kExplainedSmall = 0.9, kExplainedLarge = 0.85;
 constexpr double kLargeSide = 40.0;                         // [px]
 constexpr double kBeyondScale = 0.15, kLargestBlur = 0.95;  // of the range of grey levels; of a cell
+// Residuals at edges over those of flat pixels, and distance from the fitted edges' corners over its standard
+// deviation: from here on, the print is not what the model says.
+constexpr double kMisfit = 1.8, kContradiction = 1.0;
+constexpr double kClipped = 0.05;    // share of the pixels
 constexpr double kLargestGap = 0.3;  // [px] rms, between a marker's own corners and those of the joint pose
 
 /// Seeds that the corners cannot tell apart.
@@ -33,7 +37,9 @@ std::vector<Eigen::Isometry3d> openSeeds(const DetectedMarker& marker) {
 
 /// Grey levels that the sensor could have seen, and a blur that leaves cells to be told apart.
 bool plausible(const PhotometricResult& result, double side, int cells, double full_scale) {
-  const double least = -kBeyondScale * full_scale, most = (1.0 + kBeyondScale) * full_scale;
+  // Where the picture is clipped, the sensor does not know how dark or light it would have been.
+  const auto beyond = [full_scale](double clipped) { return (clipped > kClipped ? 1.0 : kBeyondScale) * full_scale; };
+  const double least = -beyond(result.clipped_low), most = full_scale + beyond(result.clipped_high);
   for (const Brightness& b : result.brightness) {
     if (b.used && (b.offset < least || b.offset + b.gain > most)) return false;
   }
@@ -122,10 +128,15 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
   const double explained = marker.image.side() < kLargeSide ? kExplainedSmall : kExplainedLarge;
   const double blur = marker.image.edges_fitted ? marker.image.blur_sd : 0.0;
   const double full_scale = grey.depth() == CV_16U ? 65535.0 : 255.0;
+  double misfit = 0.0;
   const auto fit = [&](double known_blur) {
     auto branches = refiner.refineBranches(grey, camera, placement, seeds, known_blur);
+    double best = std::numeric_limits<double>::infinity();
     for (auto& b : branches) {
       b.result.converged = b.result.converged && plausible(b.result, marker.image.side(), pattern.cells(), full_scale);
+      if (!b.result.converged || b.chi_square >= best) continue;
+      best = b.chi_square;
+      misfit = b.result.flat_noise > 0.0 ? b.result.noise_sd / b.result.flat_noise : 0.0;
     }
     return distinct(branches, explained);
   };
@@ -145,6 +156,9 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
     corners[i] = *pixel;
   }
   for (auto& h : hypotheses) h.error = reprojectionError(camera, seen, h.pose);
+  // A print that is bent or has grown cells: where the model does not hold, the outer edges are what its size means.
+  const double contradiction = kContradiction * parameters.corner_sigma;
+  if (marker.image.edges_fitted && misfit > kMisfit && hypotheses.front().error > contradiction) return true;
   marker.hypotheses = hypotheses;
   marker.image.corners = corners;
   marker.image.edges_fitted = true;

@@ -1,4 +1,4 @@
-// What is known of brightness and noise before a fit begins.
+// What the pixels tell of brightness and noise before a fit begins.
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +8,8 @@ namespace seater_perception {
 namespace {
 
 constexpr int kBrightnessPixels = 512;  // are enough to begin with
+
+constexpr std::size_t kNoiseSteps = 500, kFewestSteps = 12;
 
 using Seen = std::pair<float, float>;  // white, grey
 
@@ -51,15 +53,45 @@ void PhotometricProblem::startBrightness(PhotometricState& state) {
   }
 }
 
+bool PhotometricProblem::tellsNoise() const {
+  std::size_t count = 0;
+  for (const MarkerSamples& samples : *samples_) count += samples.steps.size();
+  return count >= kFewestSteps;
+}
+
 double PhotometricProblem::flatNoise() const {
+  if (!tellsNoise()) return 0.0;
   sorted_.clear();
   for (const MarkerSamples& samples : *samples_) {
-    for (const float step : samples.steps) sorted_.push_back(std::abs(step));
+    const std::size_t stride = samples.steps.size() / kNoiseSteps + 1;
+    for (std::size_t i = 0; i < samples.steps.size(); i += stride) sorted_.push_back(std::abs(samples.steps[i]));
   }
-  if (sorted_.size() < 12) return 0.0;
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
   std::nth_element(sorted_.begin(), middle, sorted_.end());
   return *middle / 0.67449 * M_SQRT1_2;
+}
+
+template <typename Is>
+double PhotometricProblem::share(const Is& is) const {
+  double all = 0.0, those = 0.0;
+  for (const MarkerSamples& samples : *samples_) {
+    for (int i = 0; i < samples.batch.count; ++i)
+      those += is(samples.batch.grey[static_cast<std::size_t>(i)]) ? 1.0 : 0.0;
+    for (const FlatBlock& block : samples.blocks) {
+      those += is(block.grey) ? block.count : 0.0;
+      all += block.count;
+    }
+    all += samples.batch.count;
+  }
+  return all > 0.0 ? those / all : 0.0;
+}
+
+double PhotometricProblem::shareBelow(double level) const {
+  return share([level](double grey) { return grey <= level; });
+}
+
+double PhotometricProblem::shareAbove(double level) const {
+  return share([level](double grey) { return grey >= level; });
 }
 
 }  // namespace seater_perception

@@ -17,7 +17,8 @@ constexpr double kLargestMove = 0.5;           // of the distance
 
 PhotometricProblem::Own PhotometricProblem::brightnessInformation(std::size_t m, double damping) const {
   Own H = blocks_[m].block(6 + blur_, 6 + blur_, brightness_, brightness_);
-  if (brightness_ == 4) H.diagonal().tail<2>().array() += slope_damping_;
+  if (brightness_ >= 4) H.diagonal().segment<2>(2).array() += slope_damping_;
+  if (brightness_ == 5) H(4, 4) += rim_damping_;
   H.diagonal() *= 1.0 + damping;
   H.diagonal().array() += 1e-9;
   return H;
@@ -67,7 +68,7 @@ std::optional<PhotometricState> PhotometricProblem::step(const PhotometricState&
     if ((*samples_)[m].empty()) continue;
     if (blur_ > 0) keepPossible(next.blur, (*samples_)[m].rays_per_pixel);
     const Block& block = blocks_[m];
-    using OwnVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1>;
+    using OwnVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1>;
     const OwnVector open =
         stretch * block.col(residual).segment(n, brightness_) - block.block(n, 0, brightness_, n) * change;
     const OwnVector own = brightnessInformation(m, damping).ldlt().solve(open);
@@ -75,7 +76,8 @@ std::optional<PhotometricState> PhotometricProblem::step(const PhotometricState&
     Brightness& b = next.brightness[m];
     b.offset += own[0];
     b.gain += own[1];
-    if (brightness_ == 4) b.slope_u += own[2], b.slope_v += own[3];
+    if (brightness_ >= 4) b.slope_u += own[2], b.slope_v += own[3];
+    if (brightness_ == 5) b.rim += own[4];
   }
   return next;
 }

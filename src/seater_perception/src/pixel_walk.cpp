@@ -8,12 +8,9 @@ namespace {
 
 constexpr int kTile = 8;                 // [px]
 constexpr double kFlatReach = 3.4;       // [standard deviations] from a border, it is not felt: 3e-4
+constexpr double kWidestBand = 3.5;      // [cells]
 constexpr double kSheetClearance = 2.2;  // [standard deviations] kept from the sheet's outer edge
-
-/// Floor of what is above -16.
-int below(float x) {
-  return static_cast<int>(x + 16.0F) - 16;
-}
+constexpr double kRimClearance = 0.8;    // the same where the fit knows of a rim
 
 /// Mean of the flat pixels of one colour in a tile.
 struct Sum {
@@ -32,29 +29,43 @@ struct Sum {
 }  // namespace
 
 PixelWalk::PixelWalk(const cv::Mat& grey, const PatternPlacement& placement, const Eigen::Isometry3d& T_optical_marker,
-                     double sd, double margin, const PhotometricParameters& parameters, const RayGrid& grid)
+                     double sd, double margin, const PhotometricParameters& parameters, const RayGrid& grid, bool rim)
     : grey_(grey),
-      pattern_(placement.pattern),
       plane_(T_optical_marker),
       parameters_(parameters),
       grid_(grid),
+      clearance_(rim ? kRimClearance : kSheetClearance),
       sd_(sd),
       margin_(margin),
       per_metre_(placement.pattern.cells() / placement.size),
-      cells_(placement.pattern.cells()),
+      count_(placement.pattern.cells()),
       limit_(parameters.saturation > 0.0 ? parameters.saturation
              : grey.depth() == CV_16U    ? 65535.0
-                                         : 255.0) {}
+                                         : 255.0),
+      side_(placement.pattern.cells() + 2 * kRing),
+      cells_(static_cast<std::size_t>(side_ * side_), 1) {
+  const int n = placement.pattern.cells();
+  for (int row = 0; row < n; ++row) {
+    for (int column = 0; column < n; ++column)
+      cells_[static_cast<std::size_t>((row + kRing) * side_ + column + kRing)] =
+          placement.pattern.at(column, row) > 0.5;
+  }
+}
 
 void PixelWalk::run(const PixelBox& box, std::vector<PixelCandidate>& candidates, MarkerSamples& samples) {
+  grey_.depth() == CV_16U ? walk<ushort>(box, candidates, samples) : walk<uchar>(box, candidates, samples);
+}
+
+template <typename Grey>
+void PixelWalk::walk(const PixelBox& box, std::vector<PixelCandidate>& candidates, MarkerSamples& samples) {
   for (int v0 = box.v0; v0 <= box.v1; v0 += kTile) {
     for (int u0 = box.u0; u0 <= box.u1; u0 += kTile) {
       const PixelBox part{u0, v0, std::min(u0 + kTile - 1, box.u1), std::min(v0 + kTile - 1, box.v1)};
       Tile tile;
       if (!look(0.5 * (part.u0 + part.u1), 0.5 * (part.v0 + part.v1), tile)) continue;
       const Kind kind = kindOf(tile, 0.5 * kTile);
-      if (kind == Kind::flat) addBlock(part, tile, box, samples);
-      if (kind == Kind::mixed) sort(part, tile, box, candidates, samples);
+      if (kind == Kind::flat) addBlock<Grey>(part, tile, box, samples);
+      if (kind == Kind::mixed) sort<Grey>(part, tile, box, candidates, samples);
     }
   }
 }
@@ -62,16 +73,23 @@ void PixelWalk::run(const PixelBox& box, std::vector<PixelCandidate>& candidates
 bool PixelWalk::look(double u, double v, Tile& tile) {
   MarkerHit hit;
   if (!plane_.hit(grid_.at(u, v), hit)) return false;
-  tile.x = hit.x * per_metre_ + 0.5 * cells_;
-  tile.y = hit.y * per_metre_ + 0.5 * cells_;
+  tile.x = hit.x * per_metre_ + 0.5 * count_;
+  tile.y = hit.y * per_metre_ + 0.5 * count_;
   tile.xu = hit.gxu * per_metre_, tile.xv = hit.gxv * per_metre_;
   tile.yu = hit.gyu * per_metre_, tile.yv = hit.gyv * per_metre_;
-  const double px = std::hypot(tile.xu, tile.xv), py = std::hypot(tile.yu, tile.yv);  // cells per pixel
+  const double px = std::sqrt(tile.xu * tile.xu + tile.xv * tile.xv);
+  const double py = std::sqrt(tile.yu * tile.yu + tile.yv * tile.yv);  // cells per pixel
   const auto f = [](double value) { return static_cast<float>(value); };
-  tile.wx = f((parameters_.reach * sd_ + margin_) * px), tile.wy = f((parameters_.reach * sd_ + margin_) * py);
-  tile.fx = f((kFlatReach * sd_ + margin_) * px), tile.fy = f((kFlatReach * sd_ + margin_) * py);
-  tile.qx = f(std::max(0.0, parameters_.quiet_zone - kSheetClearance * sd_ * px));
-  tile.qy = f(std::max(0.0, parameters_.quiet_zone - kSheetClearance * sd_ * py));
+  const auto band = [&](double reach, double per_pixel) {
+    return f(std::min(kWidestBand, (reach * sd_ + margin_) * per_pixel));
+  };
+  tile.wx = band(parameters_.reach, px), tile.wy = band(parameters_.reach, py);
+  tile.fx = band(kFlatReach, px), tile.fy = band(kFlatReach, py);
+  const auto zone = [&](double clearance, double per_pixel) {
+    return f(std::max(0.0, parameters_.quiet_zone - clearance * sd_ * per_pixel));
+  };
+  tile.qx = zone(clearance_, px), tile.qy = zone(clearance_, py);
+  tile.sx = zone(kSheetClearance, px), tile.sy = zone(kSheetClearance, py);
   widest_ = std::max({widest_, sd_ * px, sd_ * py});
   off_ = std::max({off_, margin_ * px, margin_ * py});
   return true;
@@ -79,9 +97,9 @@ bool PixelWalk::look(double u, double v, Tile& tile) {
 
 PixelWalk::Kind PixelWalk::kindOf(const Tile& t, double radius) const {
   const double rx = radius * (std::abs(t.xu) + std::abs(t.xv)), ry = radius * (std::abs(t.yu) + std::abs(t.yv));
-  if (t.x + rx < -t.qx || t.x - rx > cells_ + t.qx || t.y + ry < -t.qy || t.y - ry > cells_ + t.qy)
+  if (t.x + rx < -t.qx || t.x - rx > count_ + t.qx || t.y + ry < -t.qy || t.y - ry > count_ + t.qy)
     return Kind::outside;
-  const bool within = t.x - rx >= -t.qx && t.x + rx <= cells_ + t.qx && t.y - ry >= -t.qy && t.y + ry <= cells_ + t.qy;
+  const bool within = t.x - rx >= -t.sx && t.x + rx <= count_ + t.sx && t.y - ry >= -t.sy && t.y + ry <= count_ + t.sy;
   const bool flat = within && uniform(static_cast<float>(t.x), static_cast<float>(t.y), t.fx + static_cast<float>(rx),
                                       t.fy + static_cast<float>(ry));
   return flat ? Kind::flat : Kind::mixed;
@@ -89,26 +107,14 @@ PixelWalk::Kind PixelWalk::kindOf(const Tile& t, double radius) const {
 
 /// Whether all cells that this rectangle touches have one colour.
 bool PixelWalk::uniform(float x, float y, float wx, float wy) const {
-  const int last = pattern_.cells();
-  const auto cell = [last](float at) { return std::clamp(below(at), -1, last); };
-  const int c0 = cell(x - wx), c1 = cell(x + wx), r0 = cell(y - wy), r1 = cell(y + wy);
-  if (c0 == c1 && r0 == r1) return true;
-  const double value = pattern_.at(c0, r0);
+  const int c0 = index(x - wx), c1 = index(x + wx), r0 = index(y - wy), r1 = index(y + wy);
+  const char colour = cells_[static_cast<std::size_t>(r0 * side_ + c0)];
   for (int r = r0; r <= r1; ++r) {
     for (int c = c0; c <= c1; ++c) {
-      if (pattern_.at(c, r) != value) return false;
+      if (cells_[static_cast<std::size_t>(r * side_ + c)] != colour) return false;
     }
   }
   return true;
-}
-
-double PixelWalk::greyAt(int u, int v) const {
-  return grey_.depth() == CV_16U ? grey_.ptr<ushort>(v)[u] : grey_.ptr<uchar>(v)[u];
-}
-
-float PixelWalk::cellAt(float x, float y) const {
-  const int last = pattern_.cells();
-  return static_cast<float>(pattern_.at(std::clamp(below(x), -1, last), std::clamp(below(y), -1, last)));
 }
 
 /// Clipped pixels tell no noise.
@@ -116,32 +122,40 @@ void PixelWalk::addStep(double a, double b, MarkerSamples& samples) const {
   if (std::min(a, b) > 0.0 && std::max(a, b) < limit_) samples.steps.push_back(static_cast<float>(b - a));
 }
 
+template <typename Grey>
 void PixelWalk::addBlock(const PixelBox& part, const Tile& tile, const PixelBox& whole, MarkerSamples& samples) const {
-  Sum sum;
+  std::int64_t sum = 0;
   for (int v = part.v0; v <= part.v1; ++v) {
-    for (int u = part.u0; u <= part.u1; ++u) sum.add(greyAt(u, v), u, v);
-    if (part.u1 > part.u0) addStep(greyAt(part.u0, v), greyAt(part.u0 + 1, v), samples);
+    const Grey* row = grey_.ptr<Grey>(v);
+    for (int u = part.u0; u <= part.u1; ++u) sum += row[u];
+    if (part.u1 > part.u0) addStep(row[part.u0], row[part.u0 + 1], samples);
   }
-  sum.give(cellAt(static_cast<float>(tile.x), static_cast<float>(tile.y)), whole, samples);
+  const int n = (part.u1 - part.u0 + 1) * (part.v1 - part.v0 + 1);
+  const Sum all{static_cast<double>(sum), 0.5 * n * (part.u0 + part.u1), 0.5 * n * (part.v0 + part.v1), n};
+  all.give(white(static_cast<float>(tile.x), static_cast<float>(tile.y)), whole, samples);
 }
 
+template <typename Grey>
 void PixelWalk::sort(const PixelBox& part, const Tile& tile, const PixelBox& whole,
                      std::vector<PixelCandidate>& candidates, MarkerSamples& samples) const {
   Sum sums[2];  // black, white
   const auto f = [](double value) { return static_cast<float>(value); };
-  const float xu = f(tile.xu), yu = f(tile.yu), n = f(cells_);
+  const float xu = f(tile.xu), yu = f(tile.yu), right = f(count_) + tile.qx, top = f(count_) + tile.qy;
+  const float right_flat = f(count_) + tile.sx, top_flat = f(count_) + tile.sy;
   const double mu = 0.5 * (part.u0 + part.u1), mv = 0.5 * (part.v0 + part.v1);
   for (int v = part.v0; v <= part.v1; ++v) {
+    const Grey* row = grey_.ptr<Grey>(v);
     float x = f(tile.x + tile.xv * (v - mv) + tile.xu * (part.u0 - mu));
     float y = f(tile.y + tile.yv * (v - mv) + tile.yu * (part.u0 - mu));
     int flat = part.u0 - 2;  // the last flat pixel of this row
     for (int u = part.u0; u <= part.u1; ++u, x += xu, y += yu) {
-      if (x < -tile.qx || x > n + tile.qx || y < -tile.qy || y > n + tile.qy) continue;
+      if (x < -tile.qx || x > right || y < -tile.qy || y > top) continue;
       if (!uniform(x, y, tile.wx, tile.wy)) {
         candidates.push_back({u, v, x, y});
-      } else if (uniform(x, y, tile.fx, tile.fy)) {
-        sums[cellAt(x, y) > 0.5F].add(greyAt(u, v), u, v);
-        if (flat == u - 1) addStep(greyAt(u - 1, v), greyAt(u, v), samples);
+      } else if (x >= -tile.sx && x <= right_flat && y >= -tile.sy && y <= top_flat &&
+                 uniform(x, y, tile.fx, tile.fy)) {
+        sums[white(x, y)].add(row[u], u, v);
+        if (flat == u - 1) addStep(row[u - 1], row[u], samples);
         flat = u;
       }
     }

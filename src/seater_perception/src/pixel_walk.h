@@ -11,9 +11,10 @@ namespace seater_perception {
 
 class PixelWalk {
  public:
-  /// `sd`: of the point-spread function [px]; `margin` [px]: how far the pose may be off.
+  /// `rim`: pixels may see the end of the sheet. `sd`: of the point-spread function [px]; `margin` [px]: how far the
+  /// pose may be off.
   PixelWalk(const cv::Mat& grey, const PatternPlacement& placement, const Eigen::Isometry3d& T_optical_marker,
-            double sd, double margin, const PhotometricParameters& parameters, const RayGrid& grid);
+            double sd, double margin, const PhotometricParameters& parameters, const RayGrid& grid, bool rim);
 
   /// Adds candidates, and to the samples blocks and steps of flat pixels.
   void run(const PixelBox& box, std::vector<PixelCandidate>& candidates, MarkerSamples& samples);
@@ -29,25 +30,35 @@ class PixelWalk {
     float wx, wy;                 // half width of the band of edge pixels [cells]
     float fx, fy;                 // the same, beyond which pixels are flat
     float qx, qy;                 // width of the quiet zone that can be relied on [cells]
+    float sx, sy;                 // the same of flat pixels
   };
   enum class Kind { outside, flat, mixed };
 
   bool look(double u, double v, Tile& tile);
   Kind kindOf(const Tile& tile, double radius) const;
   bool uniform(float x, float y, float wx, float wy) const;
-  float cellAt(float x, float y) const;
-  double greyAt(int u, int v) const;
+  bool white(float x, float y) const { return cells_[static_cast<std::size_t>(index(y) * side_ + index(x))] != 0; }
+  /// Floor of what is above -kRing, as a place in the table.
+  static int index(float x) { return static_cast<int>(x + static_cast<float>(kRing)); }
   void addStep(double a, double b, MarkerSamples& samples) const;
-  void addBlock(const PixelBox& box, const Tile& tile, const PixelBox& whole, MarkerSamples& samples) const;
-  void sort(const PixelBox& box, const Tile& tile, const PixelBox& whole, std::vector<PixelCandidate>& candidates,
+  template <typename Grey>
+  void walk(const PixelBox& box, std::vector<PixelCandidate>& candidates, MarkerSamples& samples);
+  template <typename Grey>
+  void addBlock(const PixelBox& part, const Tile& tile, const PixelBox& whole, MarkerSamples& samples) const;
+  template <typename Grey>
+  void sort(const PixelBox& part, const Tile& tile, const PixelBox& whole, std::vector<PixelCandidate>& candidates,
             MarkerSamples& samples) const;
 
+  static constexpr int kRing = 6;  // cells of quiet zone round the pattern in the table
+
   const cv::Mat& grey_;
-  const MarkerPattern& pattern_;
   const MarkerPlane plane_;
   const PhotometricParameters& parameters_;
   const RayGrid& grid_;
-  const double sd_, margin_, per_metre_, cells_, limit_;
+  const double clearance_;
+  const double sd_, margin_, per_metre_, count_, limit_;
+  const int side_;           // of the table
+  std::vector<char> cells_;  // the table: 1 white, row by row from kRing below the pattern
   double widest_ = 0.0, off_ = 0.0;
 };
 

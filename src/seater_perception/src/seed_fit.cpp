@@ -21,6 +21,7 @@ constexpr double kUnknownNoise = 10.0;  // [grey levels] scale of the first step
 constexpr double kWildScale = 1e4;      // of the first look, when nothing is known of the residuals
 constexpr int kFewPixels = 600;         // no first look for so few
 constexpr double kHopeless = 7.5;       // of the loss in the first look, over the noise's variance
+constexpr double kClippedEnd = 0.004;   // of the range: what counts as its end
 constexpr double kSame = 0.25;          // squared distance of two fits' poses, in standard deviations of the first look
 
 }  // namespace
@@ -144,6 +145,10 @@ void SeedFit::judge(const PhotometricProblem& problem) {
   result.noise_sd = std::sqrt(std::max(floor, sums.weighted / freedom / (1.0 - 6.0 / c2 + 15.0 / (c2 * c2))));
   own.scale = result.noise_sd;
   result.cost = problem.loss(own).cost - 0.5 * last_length_;
+  result.flat_noise = problem.tellsNoise() ? std::max(kQuantisation, problem.flatNoise()) : 0.0;
+  const double end = kClippedEnd * (range_.high - range_.low);
+  result.clipped_low = problem.shareBelow(range_.low + end);
+  result.clipped_high = problem.shareAbove(range_.high - end);
   result.reduced_chi_square = 1.0;
   if (parameters_->noise_sd > 0.0) {
     const double sd = parameters_->noise_sd, expected = 0.5 * (1.0 - 3.0 / c2 + 5.0 / (c2 * c2));

@@ -2,7 +2,6 @@
 
 #include "scene.h"
 #include "seater_perception/errors.h"
-#include "seater_perception/image_checks.h"
 
 using namespace seater_perception;
 
@@ -164,9 +163,4 @@ TEST(Pictures, badOnesAreRefusedWithAReason) {
   EXPECT_NE(reason(nan).find("CV_32FC1"), std::string::npos);
   EXPECT_NE(reason(cv::Mat::zeros(720, 640, CV_8U)).find("640 x 720"), std::string::npos);
   EXPECT_EQ(reason(cv::Mat::zeros(720, 1280, CV_8U)), "");
-  EXPECT_THROW(checkEncoding("32FC1"), PictureError);
-  EXPECT_THROW(checkEncoding("16UC1"), PictureError);
-  EXPECT_THROW(checkEncoding(""), PictureError);
-  EXPECT_NO_THROW(checkEncoding("mono8"));
-  EXPECT_NO_THROW(checkEncoding("bayer_rggb8"));
 }

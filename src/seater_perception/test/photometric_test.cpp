@@ -136,7 +136,7 @@ TEST(PhotometricModel, SmoothsAsNumericIntegrationDoes) {
 struct Kernel {
   Kernel(const View& seen, double blur_sd) : view(seen), camera(CameraModel::raw(seen.camera)) {
     const cv::Mat grey(seen.camera.height, seen.camera.width, CV_8U, cv::Scalar(100));
-    SampleCollector().collect(grey, camera, placementsOf(seen)[0], seen.pose, blur_sd, 0.3, 100000, {}, samples);
+    SampleCollector().collect(grey, camera, placementsOf(seen)[0], seen.pose, blur_sd, 0.3, 100000, false, {}, samples);
     const auto n = static_cast<std::size_t>(samples.batch.padded);
     white.resize(n);
     by.resize(9 * n);
@@ -145,8 +145,8 @@ struct Kernel {
   /// White of all pixels; `by` gets the derivatives.
   const std::vector<float>& at(const Isometry3d& pose, const SpreadCovariance& spread, int blur = 3) {
     MarkerView seen;
-    EXPECT_TRUE(
-        MarkerView::make(pose, 6 / view.prints[0].size, view.camera.K[0], view.camera.K[4], spread, samples, seen));
+    EXPECT_TRUE(MarkerView::make(pose, 6 / view.prints[0].size, 0.0, view.camera.K[0], view.camera.K[4], spread,
+                                 samples, seen));
     renderBatch(samples.batch, seen, blur, white.data(), by.data(), samples.batch.padded);
     return white;
   }

@@ -66,7 +66,7 @@ class SafetyGateNode {
  private:
   void onRequest(const geometry_msgs::TwistStamped& message) {
     last_stamp_ = message.header.stamp;
-    const double now = ros::Time::now().toSec();
+    const double now = VelocityGate::requestTime(ros::Time::now().toSec(), last_stamp_.toSec());
     gate_.request(now, {message.twist.linear.x, message.twist.angular.z});
     publish(now);
   }

@@ -13,6 +13,9 @@ namespace {
 // The gate may be asked rarely; a longer pause must not turn into a jump of speed.
 constexpr double kLongestStep = 0.1;  // [s]
 
+// A clock that is behind by no more has not jumped: it is late.
+constexpr double kLateness = 0.25;  // [s]
+
 bool finite(const Velocity& velocity) {
   return std::isfinite(velocity.linear) && std::isfinite(velocity.angular);
 }
@@ -78,6 +81,10 @@ void VelocityGate::store(Source& source, double now, const Velocity& velocity) {
   source.seen = true;
 }
 
+double VelocityGate::requestTime(double now, double stamp) {
+  return stamp > now && stamp <= now + kLateness ? stamp : now;
+}
+
 void VelocityGate::request(double now, const Velocity& velocity) {
   store(request_, now, velocity);
 }
@@ -108,17 +115,29 @@ Velocity VelocityGate::wanted(double now) {
   return {};
 }
 
+void VelocityGate::noticeTimeJump(double now) {
+  if (!started_ || now >= last_time_ - kLateness) return;
+  // Sources of the time before the jump would stay fresh until the clock is back there. One that was stored just now
+  // is older than nothing, and stays.
+  for (Source* source : {&request_, &user_}) {
+    if (source->time > now) source->seen = false;
+  }
+  last_time_ = now;
+}
+
 Velocity VelocityGate::output(double now) {
+  noticeTimeJump(now);
   const Velocity asked = wanted(now);
   const GateParameters& p = parameters_;
   const Velocity bounded{std::clamp(asked.linear, -p.v_reverse_max, p.v_max),
                          std::clamp(asked.angular, -p.omega_max, p.omega_max)};
   if (bounded.linear != asked.linear || bounded.angular != asked.angular) ++limited_;
 
+  // A late clock gives no time to change the speed in.
   const double step = started_ ? std::clamp(now - last_time_, 0.0, kLongestStep) : kLongestStep;
   last_.linear = approach(last_.linear, bounded.linear, p.a_max * step, p.a_stop * step);
   last_.angular = approach(last_.angular, bounded.angular, p.alpha_max * step, p.alpha_stop * step);
-  last_time_ = now;
+  last_time_ = std::max(last_time_, now);
   started_ = true;
   return last_;
 }

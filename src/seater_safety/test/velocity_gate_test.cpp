@@ -154,6 +154,45 @@ TEST(VelocityGate, RefusesParametersThatAreNotPositive) {
   EXPECT_NE(p.check().find("request_timeout"), std::string::npos);
 }
 
+// Lock-step: the clock's message of this step may be read before or after the request that carries its stamp.
+TEST(VelocityGate, DoesTheSameWhetherTheClockOrTheRequestIsReadFirst) {
+  VelocityGate prompt{GateParameters{}};
+  VelocityGate late{GateParameters{}};
+  for (int cycle = 1; cycle < 40; ++cycle) {
+    const double stamp = 0.05 * cycle;
+    const double behind = cycle % 3 == 0 ? stamp - 0.03 : stamp;
+    const Velocity asked{0.6, -0.8};
+    const double now = VelocityGate::requestTime(behind, stamp);
+    prompt.request(stamp, asked);
+    late.request(now, asked);
+    const Velocity expected = prompt.output(stamp);
+    const Velocity found = late.output(now);
+    EXPECT_EQ(found.linear, expected.linear) << stamp;
+    EXPECT_EQ(found.angular, expected.angular) << stamp;
+    late.output(behind);  // the timer, whose clock is still behind, changes nothing
+  }
+}
+
+TEST(VelocityGate, DoesNotBelieveAStampFarInTheFuture) {
+  EXPECT_EQ(VelocityGate::requestTime(5.0, 5.2), 5.2);
+  EXPECT_EQ(VelocityGate::requestTime(5.0, 4.0), 5.0);
+  EXPECT_EQ(VelocityGate::requestTime(5.0, 9.0), 5.0);
+  EXPECT_EQ(VelocityGate::requestTime(5.0, kInf), 5.0);
+  EXPECT_EQ(VelocityGate::requestTime(5.0, kNan), 5.0);
+}
+
+TEST(VelocityGate, StopsWhenTheClockJumpsBackward) {
+  VelocityGate gate{GateParameters{}};
+  double now = 1000.0;
+  ASSERT_GT(hold(gate, now, 2.0, {0.5, 0.2}).linear, 0.4);
+  Velocity output;
+  for (double restarted = 1.0; restarted < 2.0; restarted += 0.02) output = gate.output(restarted);
+  EXPECT_EQ(output.linear, 0.0);
+  EXPECT_EQ(output.angular, 0.0);
+  double again = 2.0;
+  EXPECT_GT(hold(gate, again, 2.0, {0.5, 0.0}).linear, 0.4);
+}
+
 }  // namespace
 }  // namespace seater_safety
 

@@ -1,7 +1,7 @@
 """Planar poses.
 
 A pose is an array (x [m], y [m], heading [rad]). `T_a_b` is the pose of b in a: it takes coordinates in b to
-coordinates in a. Headings are wrapped to [-pi, pi] by `wrap_angle` and nowhere else in Python.
+coordinates in a. Headings are wrapped to [-pi, pi] by `wrap_angle` (one) and `wrap_angles` (arrays) and nowhere else in Python.
 """
 
 from __future__ import annotations
@@ -17,6 +17,11 @@ Array = NDArray[np.float64]
 def wrap_angle(angle: float) -> float:
     """The same direction in [-pi, pi] [rad]; NaN stays NaN."""
     return math.remainder(angle, 2.0 * math.pi) if math.isfinite(angle) else math.nan
+
+
+def wrap_angles(angles: ArrayLike) -> Array:
+    """The same directions in [-pi, pi) [rad], for arrays of any shape."""
+    return np.asarray(np.remainder(np.asarray(angles, dtype=float) + math.pi, 2.0 * math.pi) - math.pi)
 
 
 def compose(T_a_b: ArrayLike, T_b_c: ArrayLike) -> Array:

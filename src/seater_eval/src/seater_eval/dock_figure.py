@@ -19,6 +19,7 @@ from seater_common.geometry import Chair, Dock
 from seater_eval.recording import Recording
 
 WALL = "#8a8f98"
+OBSTACLE = "#b0563f"
 PATH = "#1f6fb4"
 CHAIR = "#1f6fb4"
 GOAL = "#2e9e4f"
@@ -53,6 +54,9 @@ def _title(summary: dict[str, Any]) -> str:
 
 def _draw_map(axes: Axes, recording: Recording, dock: Dock, chair: Chair) -> None:
     _draw_bay(axes, dock)
+    for index, outline in enumerate(recording.obstacles):
+        label = None if index else "obstacles"
+        axes.add_patch(Polygon(outline, closed=True, facecolor=OBSTACLE, edgecolor="none", label=label))
     poses = recording.truth[:, 1:4]
     for pose in _spaced(poses, 0.35):
         axes.add_patch(Polygon(chair.corners_at(pose), closed=True, fill=False, edgecolor=CHAIR, alpha=0.25, lw=0.8))

@@ -5,11 +5,12 @@ from __future__ import annotations
 import multiprocessing
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
 
+from seater_eval.partial import PartialResults
 from seater_eval.progress import ProgressLine
 
 Job = TypeVar("Job")
@@ -31,6 +32,7 @@ def run_jobs(
     workers: int | None = None,
     label: str = "",
     progress: ProgressLine | None = None,
+    keep: PartialResults | None = None,
 ) -> list[Result]:
     """function(job) for every job, in the order of the jobs.
 
@@ -38,28 +40,37 @@ def run_jobs(
         function: of a module (it is sent to other processes by name). It must take all randomness from its job.
         workers: processes; None: one per core. 1: everything in this process.
         label: what the progress line says it counts.
+        keep: results of an earlier run that was interrupted are taken from it, new ones go into it as they come.
 
     Raises whatever `function` raises, in the caller.
     """
     line = progress or ProgressLine()
-    tracker = _Tracker(line, label, len(jobs))
-    workers = min(workers or cores(), max(1, len(jobs)))
-    results: list[Any] = [None] * len(jobs)
-    if workers == 1:
-        for index, job in enumerate(jobs):
-            results[index] = function(job)
-            tracker.done()
-    else:
-        for name in _ONE_THREAD:
-            os.environ.setdefault(name, "1")
-        context = multiprocessing.get_context("spawn")  # forking a process with threads in it is not safe
-        with context.Pool(workers) as pool:
-            calls = ((function, index, job) for index, job in enumerate(jobs))
-            for index, result in pool.imap_unordered(_call, calls):
-                results[index] = result
-                tracker.done()
+    results: dict[int, Any] = {} if keep is None else {i: r for i, r in keep.done.items() if i < len(jobs)}
+    tracker = _Tracker(line, label, len(jobs), len(results))
+    left = [(index, job) for index, job in enumerate(jobs) if index not in results]
+    for index, result in _run(function, left, min(workers or cores(), max(1, len(left)))):
+        results[index] = result
+        if keep is not None:
+            keep.add(index, result)
+        tracker.done()
     line.end()
-    return results
+    if keep is not None:
+        keep.close(finished=True)
+    return [results[index] for index in range(len(jobs))]
+
+
+def _run(
+    function: Callable[[Job], Result], jobs: Sequence[tuple[int, Job]], workers: int
+) -> Iterator[tuple[int, Result]]:
+    """(index, result) as they come."""
+    if workers == 1:
+        yield from ((index, function(job)) for index, job in jobs)
+        return
+    for name in _ONE_THREAD:
+        os.environ.setdefault(name, "1")
+    context = multiprocessing.get_context("spawn")  # forking a process with threads in it is not safe
+    with context.Pool(workers) as pool:
+        yield from pool.imap_unordered(_call, ((function, index, job) for index, job in jobs))
 
 
 def cores() -> int:
@@ -75,9 +86,10 @@ def _call(task: tuple[Callable[[Any], Any], int, Any]) -> tuple[int, Any]:
 class _Tracker:
     """Counts what is done and shows rate and remaining time."""
 
-    def __init__(self, line: ProgressLine, label: str, total: int) -> None:
+    def __init__(self, line: ProgressLine, label: str, total: int, before: int = 0) -> None:
+        """`before`: how many are done already, by an earlier run."""
         self._line, self._label, self._total = line, label, total
-        self._done, self._start = 0, time.monotonic()
+        self._done, self._before, self._start = before, before, time.monotonic()
 
     def done(self) -> None:
         self._done += 1
@@ -85,7 +97,7 @@ class _Tracker:
 
     def text(self, elapsed: float) -> str:
         """The line after `elapsed` seconds."""
-        rate = self._done / max(elapsed, 1e-9)
+        rate = (self._done - self._before) / max(elapsed, 1e-9)
         left = (self._total - self._done) / rate
         filled = round(20 * self._done / self._total)
         bar = "#" * filled + "." * (20 - filled)

@@ -10,10 +10,10 @@ import numpy as np
 
 from seater_eval.bars import Bar, text_table
 from seater_eval.evaluation_style import figure, save
-from seater_eval.parallel import run_jobs
 from seater_eval.perception import subject
 from seater_eval.perception.accuracy_cells import BranchJob, CellJob, count_wrong_branches, run_cell
 from seater_eval.perception.degraded_camera import load_degraded_camera
+from seater_eval.perception.long_run import run_long
 from seater_eval.perception.peers import LABELS
 from seater_eval.perception.published import published_pictures
 
@@ -46,8 +46,8 @@ COLOURS = {
 }
 
 
-def run_accuracy(config: str | Path, quick: bool) -> dict[str, Any]:
-    """All cells, the wrong-branch frames, the published pictures. Raises ParameterError."""
+def run_accuracy(config: str | Path, quick: bool, partial: Path | None = None) -> dict[str, Any]:
+    """All cells, the wrong-branch frames, the published pictures. `partial`: see run_long. Raises ParameterError."""
     config = str(config)
     camera = load_degraded_camera(Path(config) / "cameras" / "degraded.yaml")
     subject.make_detector(camera, 0.1, subject.perception_parameters(config), prior=True)  # wrong parameters: now
@@ -57,9 +57,11 @@ def run_accuracy(config: str | Path, quick: bool) -> dict[str, Any]:
         wanted = [(size, z, angle) for size in SIZES for z in DISTANCES[size] for angle in ANGLES]
     methods, pictures, slow, frames = (QUICK_METHODS, 12, 0, 60) if quick else (METHODS, 48, 12, 3000)
     jobs = [CellJob(config, *cell, pictures, slow, methods, i) for i, cell in enumerate(wanted)]
-    cells = run_jobs(run_cell, jobs, label="accuracy")
+    jobs.sort(key=lambda job: job.distance / job.size)  # the longest first, so that no core waits at the end
     blocks = [BranchJob(config, first, min(first + 20, frames)) for first in range(0, frames, 20)]
-    counts = run_jobs(count_wrong_branches, blocks, label="wrong branch")
+    results = run_long(run_part, [*jobs, *blocks], label="perception_accuracy", config=config, partial=partial)
+    cells, counts = results[: len(jobs)], results[len(jobs) :]
+    cells.sort(key=lambda cell: (cell["size"], cell["distance"], cell["angle_deg"]))
     return {
         "quick": quick,
         "conditions": {k: getattr(camera, k) for k in camera.__dataclass_fields__},
@@ -69,25 +71,44 @@ def run_accuracy(config: str | Path, quick: bool) -> dict[str, Any]:
     }
 
 
+def run_part(job: CellJob | BranchJob) -> dict[str, Any]:
+    """One cell of the table, or one block of frames."""
+    return run_cell(job) if isinstance(job, CellJob) else count_wrong_branches(job)
+
+
 def _median(cell: dict[str, Any], method: str) -> float | None:
     entry = cell["methods"].get(method)
     return None if entry is None else entry["position_mm"]["median"]
 
 
-def _worst_ratio(cells: list[dict[str, Any]], over: str) -> float | None:
-    """The worst over the cells: ours over the bound's median (largest), or OpenCV default's over ours (smallest)."""
-    ratios = []
+def _pooled(cells: list[dict[str, Any]], distance: float, method: str) -> float | None:
+    """Median position error [mm] over all poses of this distance (all angles); bound: of an estimator that reaches it."""
+    key = "bound_draws_mm" if method == "bound" else None
+    here = [c for c in cells if c["distance"] == distance]
+    values = [v for c in here for v in (c[key] if key else c["methods"][method]["every_mm"])]
+    return float(np.median(values)) if values else None
+
+
+def _worst_ratio(cells: list[dict[str, Any]], over: str) -> tuple[float | None, str]:
+    """The worst over the distances: ours over the bound (largest), or OpenCV default over ours (smallest). And where that is,
+    with the same of the worst single cell, which is of one angle."""
+    ratios, single = [], []
     for cell in cells:
-        ours, default = _median(cell, "seater"), _median(cell, "opencv_default")
+        ours, other = _median(cell, "seater"), cell["bound_median_mm"] if over == "bound" else _median(cell, over)
+        if ours is not None and other is not None:
+            single.append((ours / other if over == "bound" else other / ours, cell["angle_deg"], cell["distance"]))
+    for distance in sorted({c["distance"] for c in cells}):
+        ours, other = _pooled(cells, distance, "seater"), _pooled(cells, distance, over)
         if ours is None:
-            return None
-        if over == "bound":
-            ratios.append(ours / cell["bound_median_mm"])
-        elif default is not None:  # where OpenCV finds nothing there is nothing to compare
-            ratios.append(default / ours)
+            return None, f"nothing found at {distance} m"
+        if other is not None:  # where OpenCV finds nothing there is nothing to compare
+            ratios.append((ours / other if over == "bound" else other / ours, distance))
     if not ratios:
-        return None
-    return max(ratios) if over == "bound" else min(ratios)
+        return None, "nothing to compare"
+    pick = max if over == "bound" else min
+    worst, cell_worst = pick(ratios), pick(single)
+    where = f"worst at {worst[1]:g} m; worst cell: {cell_worst[0]:.3g} at {cell_worst[2]:g} m, {cell_worst[1]:.0f} deg"
+    return worst[0], where
 
 
 def accuracy_bars(data: dict[str, Any]) -> list[Bar]:
@@ -99,29 +120,21 @@ def accuracy_bars(data: dict[str, Any]) -> list[Bar]:
     found = f"{branches['found']} of {branches['frames']} frames found"
     enough = branches["found"] > 0.9 * branches["frames"]
     without = branches["seater without prior"]
-    fewer = branches["ippe"] / max(without, 1)  # with none of ours, at least this many times fewer
     by_chance = f"a right covariance: {0.05 * len(cells):.1f} of {len(cells)} cells expected by chance"
+    bound, at_bound = _worst_ratio(near, "bound")
+    times, at_times = _worst_ratio(near, "opencv_default")
+    far_times, at_far = _worst_ratio(far, "opencv_default")
     bars = [
-        Bar("100 mm, 0.35-1.25 m: median position error / bound, worst cell", _worst_ratio(near, "bound"), TIMES_BOUND),
-        Bar("same: OpenCV default / ours, worst cell", _worst_ratio(near, "opencv"), TIMES_OPENCV, "", "at least"),
-        Bar(
-            "100 mm, 2.84 m: OpenCV default / ours, worst cell",
-            _worst_ratio(far, "opencv"),
-            TIMES_OPENCV,
-            "",
-            "at least",
-        ),
+        Bar("100 mm, 0.35-1.25 m: median position error / bound", bound, TIMES_BOUND, note=at_bound),
+        Bar("same: OpenCV default / ours", times, TIMES_OPENCV, "", "at least", at_times),
+        Bar("100 mm, 2.84 m: OpenCV default / ours", far_times, TIMES_OPENCV, "", "at least", at_far),
         Bar("wrong branch with prior", branches["seater"] if enough else None, 0.0, "", "at most", found),
-        Bar(
-            "wrong branch: IPPE alone / ours without prior",
-            fewer,
-            FEWER,
-            "",
-            "at least",
-            f"{branches['ippe']} / {without}",
-        ),
         Bar("cells whose normalised error is out of its 95 % bounds", outside, 0.0, "", "at most", by_chance),
     ]
+    if branches["ippe"] > 0 or not data["quick"]:  # the quick version's frames may be too few for IPPE to err at all
+        fewer = without if enough and branches["ippe"] > 0 else None  # where IPPE makes no mistake, nothing is shown
+        name = f"wrong branch without prior ({FEWER:.0f} times fewer than IPPE alone)"
+        bars.append(Bar(name, fewer, branches["ippe"] / FEWER, "", "at most", f"IPPE alone: {branches['ippe']}"))
     if published is None:
         note = "skipped: Debian's package visp-images-data is not installed"
         return [*bars, Bar("visp-images-data", None, 0.0, "", "at most", note)]
@@ -137,17 +150,18 @@ def accuracy_bars(data: dict[str, Any]) -> list[Bar]:
 def describe_accuracy(data: dict[str, Any]) -> str:
     """One line for each cell; then wrong branches and published pictures."""
     methods = [m for m in data["cells"][0]["methods"] if m != "seater"]
-    head = ["cell", "bound", "seater", "p95", "deg", *methods, "NEES", "95 % bounds", "wrong"]
+    head = ["cell", "found", "bound", "seater", "p95", "deg", *methods, "NEES", "95 % bounds", "wrong"]
     rows = []
     for cell in data["cells"]:
         ours, nees = cell["methods"]["seater"], cell["nees"]
         name = f"{1e3 * cell['size']:.0f} mm {cell['distance']:.2f} m {cell['angle_deg']:.0f} deg"
+        found = f"{ours['found']}/{ours['shown']}"
         bounds = (
             "-" if nees["mean"] is None else f"{nees['low']:.1f}-{nees['high']:.1f}{'' if nees['inside'] else ' !'}"
         )
         figures = [cell["bound_median_mm"], ours["position_mm"]["median"], ours["position_mm"]["p95"]]
         figures += [ours["angle_deg"]["median"], *(_median(cell, m) for m in methods), nees["mean"]]
-        rows.append([name, *(_short(f) for f in figures), bounds, str(cell["wrong_branch"])])
+        rows.append([name, found, *(_short(f) for f in figures), bounds, str(cell["wrong_branch"])])
     branches = ", ".join(f"{key} {value}" for key, value in data["branches"].items())
     text = (
         f"{text_table(head, rows)}\n  Median position errors in mm (of what was found).\n  Wrong branches: {branches}"
@@ -182,7 +196,7 @@ def draw_accuracy(data: dict[str, Any], path: Path) -> Path:
             medians = over(lambda c, m=method: _median(c, m))
             style = {"lw": 2.5, "zorder": 3} if method == "seater" else {"lw": 1.2}
             axis.loglog(distances, medians, "o-", color=COLOURS[method], label=LABELS[method], ms=4, **style)
-        axis.loglog(distances, over(lambda c: c["bound_median_mm"]), "k--", label=LABELS["bound"])
+        axis.loglog(distances, over(lambda c: c["bound_median_mm"]), "k.--", label=LABELS["bound"])
         axis.set_xticks(distances, [f"{z:g}" for z in distances], fontsize=8)
         axis.minorticks_off()
         axis.set(xlabel="distance [m]", title=f"{1e3 * size:.0f} mm marker")

@@ -2,28 +2,47 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 
 from seater_eval.bars import Bar, text_table
 from seater_eval.evaluation_style import figure, save
-from seater_eval.parallel import job_seed, run_jobs
+from seater_eval.parallel import job_seed
 from seater_eval.perception import subject
 from seater_eval.perception.degraded_camera import DegradedCamera, load_degraded_camera
+from seater_eval.perception.long_run import run_long
 from seater_eval.perception.negatives import KINDS, negative
 from seater_eval.perception.peers import LABELS, Detector, dictionary_of, make_peer
-from seater_eval.perception.render import Print, clean_picture, exposed
+from seater_eval.perception.render import Picture, Print, clean_picture, exposed
 from seater_eval.perception.scenes import facing
 
 PAPER = {0.05: (0.050, 1.500), 0.10: (0.090, 2.840), 0.15: (0.140, 3.750)}  # side -> nearest, farthest [m]
 NEEDED = 0.9  # share of pictures in which the marker has to be found
 FARTHER, CALIBRATION = 1.5, 0.1
-FULL_METHODS = ("seater", "opencv_none", "opencv_default", "pupil_apriltags")
-COLOURS = {"seater": "#2e9e4f", "opencv_none": "#c03030", "opencv_default": "#d1852c", "pupil_apriltags": "#1f6fb4"}
+ALL_IDS, TRACK, PLAIN = "seater, all ids", "seater, tracking", "opencv_none"
+FULL_METHODS = ("seater", ALL_IDS, TRACK, PLAIN, "opencv_default", "pupil_apriltags")
+NAMES = LABELS | {
+    "seater": "seater (the dock's ids)",
+    ALL_IDS: "seater (all 50 ids)",
+    TRACK: "seater, tracking (moving away)",
+}
+COLOURS = {
+    "seater": "#2e9e4f",
+    ALL_IDS: "#83c99a",
+    TRACK: "#14602a",
+    "opencv_none": "#c03030",
+    "opencv_default": "#d1852c",
+    "pupil_apriltags": "#1f6fb4",
+}
+DOCK_IDS = (0, 1, 2)  # of config/docks/default.yaml: what the nodelet looks for
+AWAY = 0.03  # tracking: how much farther away from picture to picture [parts of the distance]
 
 
 @dataclass(frozen=True)
@@ -52,99 +71,159 @@ def camera_of(config: str | Path) -> DegradedCamera:
     return load_degraded_camera(Path(config) / "cameras" / "degraded.yaml")
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=32)
 def _detector(config: str, method: str, size: float) -> Detector:
+    """Never one that tracks: that one has a memory."""
     camera = camera_of(config)
-    if method == "seater":
-        parameters = subject.perception_parameters(config)
-        return subject.as_peer(subject.make_detector(camera, size, parameters, prior=False))
+    if method in ("seater", ALL_IDS):
+        return subject.as_peer(_subject(config, method, size))
     return make_peer(method, camera.K, size)
 
 
+def _subject(config: str, method: str, size: float) -> Any:
+    """seater as the nodelet runs it, with a dock whose markers are known; or with every id of the dictionary."""
+    camera, parameters = camera_of(config), subject.perception_parameters(config)
+    known = method != ALL_IDS
+    return subject.make_detector(camera, size, parameters, prior=known, tracking=method == TRACK, ids=DOCK_IDS)
+
+
+def _picture(config: str, method: str, size: float, distance: float, index: int, near: bool) -> tuple[Picture, int]:
+    """Picture number `index` of a marker at this distance, and its id. `near`: it fills the picture, so it is in the middle."""
+    camera = camera_of(config)
+    random = np.random.default_rng(job_seed(7, index))
+    spread, tilt = (0.0005, 0.001) if near else (0.1, 0.05)
+    x, y = random.uniform(-spread, spread, 2) * distance
+    turn = random.uniform(-tilt, tilt, 3)
+    pose = facing(float(x), float(y), distance, *(float(a) for a in turn))
+    marker = int(random.integers(0, 50))
+    if method in ("seater", TRACK):
+        marker = DOCK_IDS[marker % len(DOCK_IDS)]
+    print_ = Print(dictionary_of(method), marker, size, pose)
+    return exposed(clean_picture([print_], camera), camera.noise_sd, random), marker
+
+
 def detection_rate(config: str, method: str, size: float, distance: float, pictures: int, near: bool) -> float:
-    """Share of pictures in which the marker is found with its id. `near`: it fills the picture, so it is in the middle."""
-    camera, detect = camera_of(config), _detector(config, method, size)
-    found = 0
+    """Share of pictures, each for itself, in which the marker is found with its id."""
+    if method == TRACK:
+        return tracking_rate(config, size, distance, pictures)
+    detect, found = _detector(config, method, size), 0
     for index in range(pictures):
-        random = np.random.default_rng(job_seed(7, index))
-        spread, tilt = (0.0005, 0.001) if near else (0.1, 0.05)
-        x, y = random.uniform(-spread, spread, 2) * distance
-        turn = random.uniform(-tilt, tilt, 3)
-        pose = facing(float(x), float(y), distance, *(float(a) for a in turn))
-        print_ = Print(dictionary_of(method), int(random.integers(0, 50)), size, pose)
+        picture, marker = _picture(config, method, size, distance, index, near)
+        found += any(seen.id == marker for seen in detect(picture))
+    return found / pictures
+
+
+def tracking_rate(config: str, size: float, distance: float, pictures: int) -> float:
+    """Share of pictures at this distance in which the track shows the marker, after it was followed there from the distance
+    at which the paper's camera sees it. What is lost on the way has to be found again by a full search."""
+    camera = camera_of(config)
+    tracker, found = _subject(config, TRACK, size), 0
+    start = min(0.8 * PAPER[size][1], distance)
+    way = [start * (1.0 + AWAY) ** k for k in range(math.ceil(math.log(distance / start) / math.log(1.0 + AWAY)))]
+    random = np.random.default_rng(job_seed(8, round(1e4 * distance)))
+    turn = random.uniform(-0.05, 0.05, 3)
+    for index, z in enumerate([*way, *([distance] * pictures)]):
+        x, y = (float(a) * z for a in 0.05 + random.uniform(-0.002, 0.002, 2))  # the chair sways
+        print_ = Print(subject.DICTIONARY, 0, size, facing(x, y, z, *(float(a) for a in turn)))
         picture = exposed(clean_picture([print_], camera), camera.noise_sd, random)
-        found += any(seen.id == print_.id for seen in detect(picture))
+        seen = any(m.id == 0 for m in tracker.detect(picture).markers)
+        found += seen and index >= len(way)
     return found / pictures
 
 
 def find_limit(job: RangeJob) -> dict[str, Any]:
     """The end of the range by bisection: the last distance [m] with NEEDED detections, None when it is not reached at all."""
     nearest, farthest = PAPER[job.size]
-    inside, outside = (0.5 * farthest, 4.0 * farthest) if job.far else (2.5 * nearest, 0.5 * nearest)
-    rates = []
+    rates: dict[float, float] = {}
 
     def good(distance: float) -> bool:
-        rate = detection_rate(job.config, job.method, job.size, distance, job.pictures, not job.far)
-        rates.append((distance, rate))
-        return rate >= NEEDED
+        if distance not in rates:
+            rates[distance] = detection_rate(job.config, job.method, job.size, distance, job.pictures, not job.far)
+        return rates[distance] >= NEEDED
 
-    if not good(inside):
-        return {"method": job.method, "size": job.size, "far": job.far, "limit_m": None, "rates": rates}
-    # The paper's own distance (and the far bar) first: what decides is measured there, not between two steps.
-    for probe in (farthest, FARTHER * farthest) if job.far else (nearest,):
-        if not good(probe):
-            outside = probe
-            break
-        inside = probe
-    for _ in range(job.steps):
-        middle = float(np.sqrt(inside * outside))
-        inside, outside = (middle, outside) if good(middle) else (inside, middle)
-    limit = inside
-    return {"method": job.method, "size": job.size, "far": job.far, "limit_m": limit, "rates": sorted(rates)}
+    # What bars ask for is measured there, not between two steps.
+    if not job.far:
+        probes = [2.5 * nearest, nearest, 0.5 * nearest]
+    elif job.method == PLAIN:
+        probes = [share * farthest for share in (0.5, 1.0 - CALIBRATION, 1.0, 1.0 + CALIBRATION, 4.0)]
+    else:
+        probes = [share * farthest for share in (0.5, 1.0, FARTHER, 4.0)]
+    # The first one and the last one are only looked at when the others do not decide.
+    passed = list(takewhile(good, probes[1:-1]))
+    inside = passed[-1] if passed else probes[0]
+    outside = probes[probes.index(inside) + 1]
+    if passed or good(inside):
+        for _ in range(job.steps):
+            middle = float(np.sqrt(inside * outside))
+            inside, outside = (middle, outside) if good(middle) else (inside, middle)
+    limit = inside if good(inside) else None
+    rows = [{"distance": distance, "rate": rate} for distance, rate in sorted(rates.items())]
+    return {"method": job.method, "size": job.size, "far": job.far, "limit_m": limit, "rates": rows}
 
 
-def count_false(job: NegativeJob) -> dict[str, int]:
-    """False detections by kind of picture; every marker of the dictionary counts."""
-    camera, detect = camera_of(job.config), _detector(job.config, "seater", 0.1)
-    counts = dict.fromkeys(KINDS, 0)
+def count_false(job: NegativeJob) -> dict[str, Any]:
+    """Pictures shown by kind, and what was seen in them: by the detector that looks for the dock's ids and by the one that
+    looks for every id of the dictionary (neither contains the other: with more ids, codes too much alike are refused)."""
+    shown, false = dict.fromkeys(KINDS, 0), []
     for index in range(job.first, job.last):
-        kind = KINDS[index % len(KINDS)]
-        picture = negative(
-            kind, camera.image_width, camera.image_height, camera.blur_sd, camera.noise_sd, job_seed(11, index)
-        )
-        counts[kind] += len(detect(picture))
-    return counts
+        kind, picture = negative_picture(job.config, index)
+        shown[kind] += 1
+        for method in ("seater", ALL_IDS):
+            seen = _detector(job.config, method, 0.1)(picture)
+            false += [
+                {"picture": index, "kind": kind, "method": method, "id": s.id, "corners": s.corners} for s in seen
+            ]
+    return {"shown": shown, "false": false}
 
 
-def run_range(config: str | Path, quick: bool, negatives: int | None = None) -> dict[str, Any]:
-    """All ends of all ranges, then the pictures without markers."""
+def negative_picture(config: str | Path, index: int) -> tuple[str, Picture]:
+    """Kind and picture number `index` of those without markers."""
+    camera, kind = camera_of(config), KINDS[index % len(KINDS)]
+    size = camera.image_width, camera.image_height
+    return kind, negative(kind, *size, camera.blur_sd, camera.noise_sd, job_seed(11, index))
+
+
+def run_range(
+    config: str | Path, quick: bool, negatives: int | None = None, partial: Path | None = None
+) -> dict[str, Any]:
+    """All ends of all ranges, then the pictures without markers. `partial`: see run_long. Raises ParameterError."""
     config = str(config)
     camera = camera_of(config)
     subject.make_detector(camera, 0.1, subject.perception_parameters(config), prior=False)  # wrong parameters: now
-    methods = ("seater", "opencv_none") if quick else FULL_METHODS
-    pictures, steps = (10, 3) if quick else (50, 6)
+    methods = ("seater", PLAIN) if quick else FULL_METHODS
+    pictures, plain_pictures, steps = (10, 60, 2) if quick else (50, 200, 6)
     total = negatives if negatives is not None else (100 if quick else 10_000)
     jobs = [
-        RangeJob(config, method, size, far, pictures, steps)
+        # The frozen camera stands and falls with the plain detector's far end: more pictures, as the window is narrow.
+        RangeJob(config, method, size, far, plain_pictures, 0 if quick else steps)
+        if method == PLAIN and far
+        else RangeJob(config, method, size, far, pictures, steps)
         for size in PAPER
         for method in methods
-        for far in ((True, False) if method == "seater" or not quick else (True,))
+        for far in ((True, False) if method == "seater" or not (quick or method == TRACK) else (True,))
     ]
-    limits = run_jobs(find_limit, jobs, label="range")
+    jobs.sort(key=lambda job: job.far)  # those that take longest first, so that no core waits at the end
     blocks = [NegativeJob(config, first, min(first + 20, total)) for first in range(0, total, 20)]
-    counts = run_jobs(count_false, blocks, label="pictures without markers")
+    results = run_long(run_part, [*jobs, *blocks], label="perception_range", config=config, partial=partial)
+    limits, counts = results[: len(jobs)], results[len(jobs) :]
     return {
         "quick": quick,
         "conditions": {
             "camera": {k: getattr(camera, k) for k in camera.__dataclass_fields__},
             "pictures_per_distance": pictures,
+            "pictures_per_distance_plain_far": plain_pictures,
             "needed": NEEDED,
             "bisection_steps": steps,
         },
         "limits": limits,
-        "negatives": total,
-        "false_detections": {kind: sum(c[kind] for c in counts) for kind in KINDS},
+        "negatives": {kind: sum(c["shown"][kind] for c in counts) for kind in KINDS},
+        "false_detections": [false for c in counts for false in c["false"]],
     }
+
+
+def run_part(job: RangeJob | NegativeJob) -> dict[str, Any]:
+    """One end of one range, or one block of pictures without markers."""
+    return find_limit(job) if isinstance(job, RangeJob) else count_false(job)
 
 
 def limit_of(data: dict[str, Any], method: str, size: float, far: bool) -> float | None:
@@ -160,7 +239,7 @@ def range_bars(data: dict[str, Any]) -> list[Bar]:
     bars = []
     for size, (nearest, farthest) in PAPER.items():
         name = f"{1e3 * size:.0f} mm"
-        plain = limit_of(data, "opencv_none", size, True)
+        plain = limit_of(data, PLAIN, size, True)
         off = None if plain is None else abs(plain / farthest - 1.0)
         near, far = limit_of(data, "seater", size, False), limit_of(data, "seater", size, True)
         bars += [
@@ -168,8 +247,9 @@ def range_bars(data: dict[str, Any]) -> list[Bar]:
             Bar(f"{name}: nearest", near, nearest, "m", "at most"),
             Bar(f"{name}: farthest / the paper's", None if far is None else far / farthest, FARTHER, "", "at least"),
         ]
-    false = sum(data["false_detections"].values())
-    return [*bars, Bar(f"false detections in {data['negatives']} pictures without markers", false, 0.0)]
+    shown, false = sum(data["negatives"].values()), data["false_detections"]
+    note = ", ".join(f"picture {f['picture']} ({f['kind']}, {f['method']})" for f in false[:5])
+    return [*bars, Bar(f"false detections in {shown} pictures without markers", len(false), 0.0, note=note)]
 
 
 def describe_range(data: dict[str, Any]) -> str:
@@ -182,10 +262,25 @@ def describe_range(data: dict[str, Any]) -> str:
         for method in dict.fromkeys(entry["method"] for entry in data["limits"]):
             near, far = (limit_of(data, method, size, end) for end in (False, True))
             shown = ["-" if value is None else f"{1e3 * value:.0f}" for value in (near, far)]
-            rows.append(["", LABELS[method], *shown, "-" if far is None else f"{far / farthest:.2f}"])
+            rows.append(["", NAMES[method], *shown, "-" if far is None else f"{far / farthest:.2f}"])
     table = text_table(["marker", "method", "nearest mm", "farthest mm", "x paper"], rows)
-    false = ", ".join(f"{kind} {count}" for kind, count in data["false_detections"].items())
-    return f"{table}\n  False detections in {data['negatives']} pictures without markers: {false}"
+    seen = data["false_detections"]
+    kinds = ", ".join(
+        f"{kind} {sum(f['kind'] == kind for f in seen)} in {shown}" for kind, shown in data["negatives"].items()
+    )
+    return f"{table}\n  False detections in pictures without markers: {kinds}"
+
+
+def save_false(config: str | Path, data: dict[str, Any], folder: Path) -> list[Path]:
+    """The first ten pictures in which something was seen that is not there, with it outlined."""
+    paths = []
+    for false in data["false_detections"][:10]:
+        _, picture = negative_picture(config, false["picture"])
+        shown = cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR)
+        cv2.polylines(shown, [np.rint(false["corners"]).astype(np.int32)], True, (0, 0, 255), 1)
+        paths.append(folder / f"perception_range_false_{false['picture']}.png")
+        cv2.imwrite(str(paths[-1]), shown)
+    return paths
 
 
 def draw_range(data: dict[str, Any], path: Path) -> Path:
@@ -194,15 +289,16 @@ def draw_range(data: dict[str, Any], path: Path) -> Path:
     methods = list(dict.fromkeys(entry["method"] for entry in data["limits"]))
     step, at, ticks = 1.0 / (len(methods) + 2), 0.0, []
     for size, (nearest, farthest) in PAPER.items():
-        bars = [("paper (published)", "#8a8f98", nearest, farthest)]
+        bars: list[tuple[str, str, float | None, float]] = [("paper (published)", "#8a8f98", nearest, farthest)]
         for method in methods:
             near, far = (limit_of(data, method, size, end) for end in (False, True))
             if far is not None:
-                bars.append((LABELS[method], COLOURS[method], near or nearest, far))
+                bars.append((NAMES[method], COLOURS[method], near, far))
         for i, (label, colour, near, far) in enumerate(bars):
             y = at - i * step
             first = size == next(iter(PAPER))
-            axes.barh(y, far - near, left=near, height=0.8 * step, color=colour, label=label if first else None)
+            left = near or 0.7 * far  # a stump where the near end was not measured
+            axes.barh(y, far - left, left=left, height=0.8 * step, color=colour, label=label if first else None)
             axes.text(far * 1.03, y, f"{far:.2f} m", va="center", fontsize=8)
         ticks.append(at - 0.5 * (len(bars) - 1) * step)
         at -= 1.0

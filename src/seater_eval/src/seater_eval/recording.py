@@ -35,6 +35,7 @@ class Recording:
     pictures: Array = _empty(4)  # (n, 4): time, markers seen, dock seen (0 or 1), processing time [s]
     control: Array = _empty(6)  # (n, 6): time, solve time [s], iterations, status, asked v, asked omega
     commands: Array = _empty(3)  # (n, 3): time, v, omega as sent to the motors
+    obstacles: list[Array] = field(default_factory=list)  # (n, 2) each [m], the last ones told in the dock's frame
     phases: list[tuple[float, str]] = field(default_factory=list)  # (time, phase) at each change
     goal_time: float | None = None
     result_time: float | None = None
@@ -122,6 +123,13 @@ def _read_command(message: Any, rows: dict[str, list[list[float]]], _: Recording
     rows["commands"].append([message.header.stamp.to_sec(), message.twist.linear.x, message.twist.angular.z])
 
 
+def _read_obstacles(message: Any, _: dict[str, list[list[float]]], recording: Recording) -> None:
+    if message.header.frame_id == "dock":  # as the simulator tells them
+        recording.obstacles = [
+            np.array([[point.x, point.y] for point in polygon.points]) for polygon in message.polygons
+        ]
+
+
 def _read_goal(message: Any, _: dict[str, list[list[float]]], recording: Recording) -> None:
     recording.goal_time = message.header.stamp.to_sec()
 
@@ -144,6 +152,7 @@ _READERS: dict[str, Any] = {
     "detections": _read_detections,
     "controller_status": _read_status,
     "cmd_vel_stamped": _read_command,
+    "obstacles": _read_obstacles,
     "dock/goal": _read_goal,
     "dock/feedback": _read_feedback,
     "dock/result": _read_result,

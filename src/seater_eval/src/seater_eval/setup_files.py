@@ -28,11 +28,14 @@ class Setup:
 
 
 def load_setup(config: str | Path) -> Setup:
-    """From the folder of seater_config. Raises ParameterError, naming file and key."""
+    """From the folder of seater_config. Raises ParameterError, naming file and key; the evaluation docks forward only."""
     config = Path(config)
+    dock = load_dock(config / "docks" / "default.yaml")
+    if dock.direction != "forward":
+        raise ParameterError(f"{config}/docks/default.yaml: direction: is {dock.direction!r}, must be 'forward' here")
     return Setup(
         load_chair(config / "chair.yaml"),
-        load_dock(config / "docks" / "default.yaml"),
+        dock,
         load(NmpcParameters, _read(config / "controller.yaml"), "controller"),
         load(SimulatorSettings, _read(config / "simulator.yaml"), "simulator"),
         CameraModel.from_mapping(_read(config / "cameras" / "d455.yaml"), "d455"),

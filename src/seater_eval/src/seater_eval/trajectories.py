@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.geometry import Tolerance
-from seater_common.se2 import wrap_angle
+from seater_common.se2 import wrap_angle, wrap_angles
 
 Array = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ class Trajectory:
 
 def within(poses: Array, tolerance: Tolerance) -> NDArray[np.bool_]:
     """For each pose (n, 3) in the dock's frame, whether it is within the tolerance, (n,)."""
-    heading = np.abs(np.remainder(poses[:, 2] + math.pi, 2.0 * math.pi) - math.pi)
+    heading = np.abs(wrap_angles(poses[:, 2]))
     result: NDArray[np.bool_] = (np.hypot(poses[:, 0], poses[:, 1]) <= tolerance.position) & (
         heading <= tolerance.heading
     )

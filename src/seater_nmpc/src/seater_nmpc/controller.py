@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from enum import IntEnum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import Chair, Dock
-from seater_common.se2 import compose, inverse, relative, transform_points, wrap_angle
-from seater_nmpc.geometry import Areas, dock_areas
-from seater_nmpc.guard import GuardedSolver
+from seater_common.se2 import compose, relative
+from seater_nmpc.braking import BrakingCheck, braked, curvature_at
+from seater_nmpc.command import Command, Counters, Status
+from seater_nmpc.geometry import dock_areas
 from seater_nmpc.limits import clamp, in_bay
-from seater_nmpc.nlp import Plan, WarmStart
-from seater_nmpc.ocp import make_problem
 from seater_nmpc.parameters import ControlParameters
 from seater_nmpc.prediction import CommandHistory, coasting_pose
+from seater_nmpc.replanner import Replanner, composed
 from seater_nmpc.separation import convex_outline
-from seater_nmpc.solver import Solution, Solver, SolveStatus, make_solver
+from seater_nmpc.solver import Solution, Solver, SolveStatus
 
 Array = NDArray[np.float64]
 Target = str | Sequence[float] | Array
@@ -29,48 +26,8 @@ Target = str | Sequence[float] | Array
 _SPEED_MISMATCH = (
     0.05  # [m/s, rad/s] by which the measured speed may differ from the commanded one beside what lag explains
 )
-_COLD_ROUNDS = 4  # solves of a cold start among obstacles, each with the lines that part the last one's plan from them
 _FARTHEST = 1000.0  # [m] distance of the target at which no solver is asked: from 1e300 m fatrop does not come back
-_RESTART_AFTER = 3  # failed solves in a row after which the warm start is thrown away
-
-
-class Status(IntEnum):
-    """Where a command comes from; the numbers of seater_msgs/ControllerStatus."""
-
-    SOLVED = 0
-    TIME_LIMIT = 1
-    FALLBACK_SHIFTED = 2
-    FALLBACK_BRAKE = 3
-    IDLE = 4
-
-
-@dataclass(frozen=True)
-class Command:
-    """What the chair is asked for, and how it came about."""
-
-    v: float  # [m/s]
-    omega: float  # [rad/s]
-    status: Status = Status.IDLE
-    solver: str = ""
-    text: str = ""
-    solve_time: float = 0.0  # wall time [s]
-    solve_cpu: float = 0.0  # the solver's time on the processor, in this thread [s]
-    iterations: int = 0
-    cost: float = 0.0
-    constraint_violation: float = 0.0  # largest violation in the plan [m or m/s]
-    path: Array = field(default_factory=lambda: np.zeros((0, 3)))  # planned poses (N + 1, 3) in the common frame
-
-
-@dataclass
-class Counters:
-    """How often what happened since the start of the program."""
-
-    cycles: int = 0
-    refused_inputs: int = 0  # non-finite
-    time_limits: int = 0
-    shifted: int = 0
-    braked: int = 0
-    consecutive_failures: int = 0  # cycles in a row that needed a fallback
+_TOO_NEAR = "an obstacle is within the stopping distance"
 
 
 class DockingController:
@@ -91,7 +48,8 @@ class DockingController:
         print(pose)  # at the dock, a hundredth of a millimetre away
 
     Whatever comes in, the command is finite and within the chair's limits of speed and acceleration. Without a usable
-    solution the last plan is followed for a short time (`fallback/max_plan_age`), then the chair brakes and stands.
+    solution the last plan is followed for a short time (`fallback/max_plan_age`), then the chair brakes and stands. A
+    command after which the chair could not stop short of an obstacle is not given: it brakes instead.
     """
 
     def __init__(
@@ -107,31 +65,21 @@ class DockingController:
         self._chair, self._dock = chair, dock
         self.parameters = parameters or ControlParameters()
         self._areas = dock_areas(dock) if self.parameters.walls else None
-        self._problem = make_problem(chair, self.parameters, self._areas)
-        solver = solver or make_solver(
-            self._problem.functions, self.parameters, self._problem.refinement, self._problem.curvature
-        )
-        feasibility = max(self.parameters.fallback.feasibility, self.parameters.rti.feasibility)
-        self._solver = GuardedSolver(solver, feasibility)
-        ipopt = self.parameters.ipopt
-        self._limit = None if deterministic else ipopt.max_wall_time
-        self._cold_limit = None if deterministic else ipopt.max_wall_time_cold
-        self._solver.prepare([self._limit, self._cold_limit])
+        self._replanner = Replanner(chair, self.parameters, self._areas, deterministic=deterministic, solver=solver)
         self._history = CommandHistory(self.parameters.prediction)
+        prediction = self.parameters.prediction
+        period = self.parameters.control_period
+        self._braking = BrakingCheck(chair, self.parameters.stop_margin, period, prediction.motor_lag)
         self.counters = Counters()
-        self._clock = self._solve_cpu = 0.0
+        self._clock = 0.0
+        self._acts_at = np.zeros(3)  # base_link in the dock's frame where the next command begins to act
         self._obstacles: list[Array] = []
         self.reset()
 
     def reset(self) -> None:
         """Forget plan and commands, as at the beginning of a goal."""
         self._history.clear()
-        self._start: WarmStart | None = None
-        self._unfinished: WarmStart | None = None
-        self._plan: Plan | None = None
-        self._plan_stamp = 0.0
-        self._plan_target = np.zeros(3)
-        self._heading = 0.0
+        self._replanner.reset()
         self.counters.consecutive_failures = 0
 
     def reset_commands(self) -> None:
@@ -191,17 +139,17 @@ class DockingController:
         T_dock_target = self._target(target)
         pose, v, omega = self._history.roll(stamp, vehicle_pose, *velocity)
         before = self._speeds_before(v, omega)
-        T_dock_base = relative(dock_pose, pose)
+        self._acts_at = relative(dock_pose, pose)
         ahead = coasting_pose(pose, v, omega, self.parameters.prediction.motor_lag)
-        ahead = coasting_pose(ahead, *before, -self._problem.lead)
+        ahead = coasting_pose(ahead, *before, -self._replanner.lead)
         state = np.concatenate([relative(compose(dock_pose, T_dock_target), ahead), before])
         if not (np.all(np.isfinite(state)) and np.max(np.abs(state[:2])) <= _FARTHEST):
             self.counters.refused_inputs += 1
             return self._fall_back(stamp, None, f"target is farther than {_FARTHEST:.0f} m")
-        areas = None if self._areas is None else self._areas.in_frame(T_dock_target)
-        solution = self._solve(state, areas, stamp, T_dock_target)
-        slow = self._areas is not None and in_bay(self._chair, self._dock.bay, T_dock_base)
-        if not self._usable(solution):
+        acceleration = self._history.acceleration(self.parameters.control_period)
+        solution = self._replanner.solve(state, stamp, T_dock_target, self._obstacles, acceleration)
+        slow = self._areas is not None and in_bay(self._chair, self._dock.bay, self._acts_at)
+        if not self._replanner.usable(solution):
             return self._fall_back(stamp, solution, solution.text, slow)
         return self._follow(solution, stamp, compose(dock_pose, T_dock_target), before, slow)
 
@@ -226,72 +174,18 @@ class DockingController:
             result.append(min(max(sent, measured - reach), measured + reach))
         return result[0], result[1]
 
-    def _solve(self, state: Array, areas: Areas | None, stamp: float, T_dock_target: Array) -> Solution:
-        turns = round((self._heading - state[2]) / (2.0 * math.pi))
-        if abs(state[2] + 2.0 * math.pi * turns) <= math.pi + 0.3:  # no flipping between half a turn left and right
-            state[2] += 2.0 * math.pi * turns
-        self._heading = float(state[2])
-        cold = self._start is None
-        start = self._warm_start(areas, stamp, T_dock_target)
-        if start is None:
-            states = np.repeat(state[None, :], self.parameters.horizon + 1, axis=0)
-            states[:, 3:] = 0.0
-            start = WarmStart(self._problem.guess(states, areas))
-        acceleration = self._history.acceleration(self.parameters.control_period)
-        outlines = [transform_points(inverse(T_dock_target), outline) for outline in self._obstacles]
-        limit = self._cold_limit if cold else self._limit
-        for _ in range(_COLD_ROUNDS if cold and outlines else 1):
-            lines = self._problem.obstacle_lines(outlines, self._problem.states(start.x))
-            data, began = self._problem.data(state, areas, lines, acceleration), time.thread_time()
-            solution = self._solver.solve(data, start, limit)
-            self._solve_cpu = time.thread_time() - began
-            if not self._usable(solution):
-                break
-            start = WarmStart(solution.x)
-        if self._usable(solution):
-            self._unfinished = None
-            self._start, self._plan = solution.warm_start(), self._problem.plan(solution.x)
-            self._plan_stamp, self._plan_target = stamp, T_dock_target
-        else:
-            self._resume(solution)
-        return solution
-
-    def _resume(self, solution: Solution) -> None:
-        """After a stopped solve the next one goes on from where it got to; after several, it starts anew."""
-        if solution.status is SolveStatus.LIMIT and self.counters.consecutive_failures + 1 < _RESTART_AFTER:
-            self._unfinished = solution.warm_start()
-        else:
-            self._unfinished = None
-        if self.counters.consecutive_failures + 1 >= _RESTART_AFTER:
-            self._start = None
-
-    def _warm_start(self, areas: Areas | None, stamp: float, T_dock_target: Array) -> WarmStart | None:
-        """The last plan, moved on in time and seen from the present target, with the multipliers that it had."""
-        if self._unfinished is not None:
-            return self._unfinished
-        if self._start is None or self._plan is None:
-            return None
-        states = self._plan.shifted(max(0.0, stamp - self._plan_stamp))
-        if not np.array_equal(T_dock_target, self._plan_target):
-            change = relative(T_dock_target, self._plan_target)
-            heading = states[:, 2] + change[2]
-            states[:, :3] = _composed(change, states[:, :3])
-            states[:, 2] = heading
-        return WarmStart(self._problem.guess(states, areas, self._start.x), self._start.lam_x, self._start.lam_g)
-
-    def _usable(self, solution: Solution) -> bool:
-        if solution.status is SolveStatus.SOLVED:
-            return True
-        return solution.status is SolveStatus.LIMIT and solution.gap <= self.parameters.fallback.feasibility
-
     def _follow(
         self, solution: Solution, stamp: float, target: Array, before: tuple[float, float], slow: bool
     ) -> Command:
-        plan = self._problem.plan(solution.x)
+        plan = self._replanner.plan
+        assert plan is not None  # a usable solution leaves one
         v, omega = plan.speeds_at(0.0 if plan.speeds_held else self.parameters.control_period)
         v, omega = clamp(self._chair, v, omega, before, self.parameters.control_period, slow)
-        self._history.sent(stamp, v, omega)
         self.counters.consecutive_failures = 0
+        if not self._stops_clear(v, omega):
+            self.counters.obstacle_stops += 1
+            return self._brake(stamp, solution, _TOO_NEAR, slow)
+        self._history.sent(stamp, v, omega)
         status = Status.SOLVED
         if solution.status is SolveStatus.LIMIT:
             self.counters.time_limits += 1
@@ -300,44 +194,49 @@ class DockingController:
             v,
             omega,
             status,
-            self._solver.name,
+            self._replanner.name,
             solution.text,
             solution.solve_time,
-            self._solve_cpu,
+            self._replanner.solve_cpu,
             solution.iterations,
             solution.cost,
             max(plan.violation, solution.gap),
-            _composed(target, plan.states[:, :3]),
+            composed(target, plan.states[:, :3]),
         )
 
     def _fall_back(self, stamp: float, solution: Solution | None, text: str, slow: bool = False) -> Command:
-        """The last plan followed further, else braking with the curvature kept, which ends in standing."""
+        """The last plan followed further, else braking."""
         self.counters.consecutive_failures += 1
+        plan, age, period = self._replanner.plan, stamp - self._replanner.stamp, self.parameters.control_period
+        if solution is not None and plan is not None and age <= self.parameters.fallback.max_plan_age + 1e-9:
+            v, omega = plan.speeds_at(age + period)
+            v, omega = clamp(self._chair, v, omega, self._history.last or (0.0, 0.0), period, slow)
+            if self._stops_clear(v, omega):
+                self.counters.shifted += 1
+                return self._sent(stamp, v, omega, Status.FALLBACK_SHIFTED, solution, text)
+        self.counters.braked += 1
+        return self._brake(stamp, solution, text, slow)
+
+    def _brake(self, stamp: float, solution: Solution | None, text: str, slow: bool) -> Command:
+        """Slower along the last plan's path, or with the curvature kept, which ends in standing."""
         before, period = self._history.last or (0.0, 0.0), self.parameters.control_period
-        age = stamp - self._plan_stamp
-        if solution is not None and self._plan is not None and age <= self.parameters.fallback.max_plan_age + 1e-9:
-            status, (v, omega) = Status.FALLBACK_SHIFTED, self._plan.speeds_at(age + period)
-            self.counters.shifted += 1
-        else:
-            status, (v, omega) = Status.FALLBACK_BRAKE, _braked(before, self._chair.limits.a_max * period)
-            self.counters.braked += 1
+        path = self._replanner.path
+        curvature = None if path is None else curvature_at(path, self._acts_at)
+        v, omega = braked(before, self._chair.limits.a_max * period, curvature)
         v, omega = clamp(self._chair, v, omega, before, period, slow)
+        return self._sent(stamp, v, omega, Status.FALLBACK_BRAKE, solution, text)
+
+    def _sent(
+        self, stamp: float, v: float, omega: float, status: Status, solution: Solution | None, text: str
+    ) -> Command:
+        """A command that does not come from a new plan; remembered as sent."""
         self._history.sent(stamp, v, omega)
         wall, cpu, iterations = 0.0, 0.0, 0
         if solution is not None:
-            wall, cpu, iterations = solution.solve_time, self._solve_cpu, solution.iterations
-        return Command(v, omega, status, self._solver.name, text, wall, cpu, iterations)
+            wall, cpu, iterations = solution.solve_time, self._replanner.solve_cpu, solution.iterations
+        return Command(v, omega, status, self._replanner.name, text, wall, cpu, iterations)
 
-
-def _composed(T: Array, poses: Array) -> Array:
-    """compose(T, pose) for each row of `poses` (n, 3)."""
-    headings = [wrap_angle(heading) for heading in poses[:, 2] + T[2]]
-    return np.column_stack([transform_points(T, poses[:, :2]), headings])
-
-
-def _braked(before: tuple[float, float], change: float) -> tuple[float, float]:
-    v, omega = before
-    if abs(v) <= change:
-        return 0.0, 0.0
-    slower = v - math.copysign(change, v)
-    return slower, omega * slower / v
+    def _stops_clear(self, v: float, omega: float) -> bool:
+        if not self._obstacles:
+            return True
+        return self._braking.passes(self._acts_at, v, omega, self._obstacles, self._replanner.path)

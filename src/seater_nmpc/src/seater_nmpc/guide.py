@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seater_common.se2 import relative, wrap_angle
+from seater_common.se2 import relative, wrap_angle, wrap_angles
 from seater_nmpc.parameters import PlannerParameters
 from seater_nmpc.planner import Path
 
@@ -27,7 +27,6 @@ class Guide:
         self._parameters = parameters
         self._legs = _legs(path, parameters.turn_length)
         self._leg, self._place = 0, 0.0
-        self.duration = path.duration
 
     @property
     def single(self) -> bool:
@@ -50,12 +49,18 @@ class Guide:
         self._place = float(places[near[np.argmin(self._away(poses[near], pose))]])
         return _at(poses, places, self._place + lookahead)
 
+    def rest(self) -> Array:
+        """Poses (n, 3) of the way from the chair's last place on."""
+        poses, places = self._legs[self._leg]
+        ahead = poses[np.searchsorted(places, self._place) :]
+        return np.vstack([ahead, *(later for later, _ in self._legs[self._leg + 1 :])])
+
     def away(self, pose: ArrayLike) -> float:
         """Distance from the leg that is being driven, turns reckoned in [m]."""
         return float(np.min(self._away(self._legs[self._leg][0], np.asarray(pose, dtype=float))))
 
     def _away(self, poses: Array, pose: Array) -> Array:
-        turn = np.remainder(poses[:, 2] - pose[2] + math.pi, 2.0 * math.pi) - math.pi
+        turn = wrap_angles(poses[:, 2] - pose[2])
         return np.asarray(np.hypot(*(poses[:, :2] - pose[:2]).T) + self._parameters.turn_length * np.abs(turn))
 
     def _reached(self, end: Array, pose: Array) -> bool:
@@ -70,7 +75,7 @@ def _legs(path: Path, turn_length: float) -> list[tuple[Array, Array]]:
     for end in [*(i - 1 for i in changes), len(path.poses) - 1]:
         poses = path.poses[begin : end + 1]
         step = np.hypot(*np.diff(poses[:, :2], axis=0).T)
-        turn = np.abs(np.remainder(np.diff(poses[:, 2]) + math.pi, 2.0 * math.pi) - math.pi)
+        turn = np.abs(wrap_angles(np.diff(poses[:, 2])))
         legs.append((poses, np.concatenate([[0.0], np.cumsum(step + turn_length * turn)])))
         begin = end
     return legs

@@ -40,9 +40,12 @@ class Navigator:
         self._guide, self._tried = None, False
 
     def see(self, obstacles: list[Array]) -> None:
-        """The obstacles of this cycle, convex polygons (n, 2); when they moved, the next target comes from a new plan."""
-        if _moved(self._planner.obstacles, obstacles, self._parameters.obstacle_shift):
-            self._planner.set_obstacles(obstacles)
+        """The obstacles of this cycle, convex polygons (n, 2). When they moved onto the way, the next target comes from a new
+        plan; while the way is clear of them it is kept, as a search takes several control cycles."""
+        if not _moved(self._planner.obstacles, obstacles, self._parameters.obstacle_shift):
+            return
+        self._planner.set_obstacles(obstacles)
+        if self._guide is None or not self._planner.clear_of_obstacles(self._guide.rest()):
             self.restart()
 
     def target(self, pose: ArrayLike) -> Array | None:

@@ -126,6 +126,9 @@ class ControlParameters:
     fine_steps: int = param(0, "", "the first so many steps are as long as the control period", low=0, high=200)
     walls: bool = param(True, "", "whether the bay's walls and speed limit are constraints (false: free space)")
     margin: float = param(0.05, "m", "distance that the footprint keeps from every wall", low=0.0, high=0.5)
+    stop_margin: float = param(
+        0.02, "m", "the chair brakes when it could not stop this far from an obstacle", low=0.0, high=0.5
+    )
     max_jerk: float = param(
         0.0,
         "m/s^3",
@@ -226,7 +229,9 @@ class PlannerParameters:
     replan_distance: float = param(
         0.5, "m", "distance from the way beyond which a new one is searched", low=0.1, high=2.0
     )
-    obstacle_shift: float = param(0.05, "m", "obstacles that moved by more lead to a new search", low=0.001, high=0.5)
+    obstacle_shift: float = param(
+        0.05, "m", "obstacles that moved by more count as moved: the way is checked anew", low=0.001, high=0.5
+    )
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from seater_common.geometry import Chair, Dock
+from seater_common.se2 import wrap_angles
 from seater_nmpc.geometry import dock_areas
 from seater_nmpc.lattice import BACKWARD, FORWARD, STAND, Lattice
 from seater_nmpc.parameters import PlannerParameters
@@ -112,7 +113,7 @@ class Planner:
         assert self._to_go is not None
         p, limits = self._parameters, self._chair.limits
         away = np.hypot(*(self._poses[:, :2] - start[:2]).T)
-        turn = np.abs(np.remainder(self._poses[:, 2] - start[2] + math.pi, 2.0 * math.pi) - math.pi)
+        turn = np.abs(wrap_angles(self._poses[:, 2] - start[2]))
         near = np.flatnonzero((away <= 1.5 * p.cell) & (turn <= 0.5))
         cost = 4.0 * away[near] / limits.v_max + 2.0 * turn[near] / limits.omega_max
         cost += self._to_go[STAND * self._lattice.size + near]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
-from seater_nmpc.controller import Command
+from seater_nmpc.command import Command
 
 
 class Phase(IntEnum):

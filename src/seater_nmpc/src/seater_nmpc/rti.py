@@ -68,6 +68,10 @@ class QuadraticModel:
         self._parameters = parameters
         self._qp: piqp.SparseSolver | None = None
 
+    def forget(self) -> None:
+        """A new goal begins: the scaling that the last one left is not handed on, so that each comes out the same."""
+        self._qp = None
+
     def refined(self, x: Array, data: ProblemData) -> tuple[Array, float, Array]:
         """x put into its bounds and refined, cost and constraints there (views, overwritten by the next call)."""
         x, f, g = self._values(np.minimum(np.maximum(x, data.lbx), data.ubx), data.p, data.lbx, data.ubx)
@@ -139,6 +143,7 @@ class RtiSolver:
             self._model = QuadraticModel(self._functions, data, self._parameters, self._refinement, self._curvature)
             self._fixed = fixed
         if start.lam_x is None or start.lam_g is None:
+            self._model.forget()
             return self._converging.solve(data, start, time_limit)
         begin = time.perf_counter()
         try:

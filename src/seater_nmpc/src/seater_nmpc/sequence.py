@@ -19,8 +19,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import relative
-from seater_nmpc.controller import Command, DockingController, Target
+from seater_nmpc.command import Command
+from seater_nmpc.controller import DockingController, Target
 from seater_nmpc.corridor import Corridor
+from seater_nmpc.deadlines import Deadlines
 from seater_nmpc.measurement import Hypothesis
 from seater_nmpc.motion import MotionObserver
 from seater_nmpc.navigator import Navigator
@@ -28,6 +30,7 @@ from seater_nmpc.observer import DockEstimate, DockObserver, Outcome
 from seater_nmpc.odometry import Instant, Odometry
 from seater_nmpc.parameters import SequenceParameters
 from seater_nmpc.results import Phase, Result, ResultCode, Step
+from seater_nmpc.standstill import Standstill
 from seater_nmpc.verification import Verdict, Verification, within
 
 Array = NDArray[np.float64]
@@ -142,15 +145,17 @@ class DockingSequence:
 
     def _begin(self, now: float, phase: Phase, timeout: float) -> None:
         self.active, self._cancelled = True, False
-        self._goal_start, self._now, self._timeout, self._retries = now, now, timeout, 0
+        self._now, self._retries = now, 0
+        self._deadlines = Deadlines(self._parameters.timeouts, now, timeout)
         self._error: Array | None = None
         self._T_odom_dock: Array | None = None
         self._motion.forget_commands()
         self._enter(phase)
 
     def _enter(self, phase: Phase) -> None:
-        self._phase, self._phase_start = phase, self._now
-        self._still_since = self._settled_since = self._now
+        self._phase = phase
+        self._deadlines.enter(self._now)
+        self._standstill = Standstill(self._parameters, self._now)
         self._verification: Verification | None = None
         self._navigator.restart()
         if phase in (Phase.WAITING_FOR_DOCK, Phase.STOPPING, Phase.VERIFY, Phase.UNDOCKING):
@@ -166,24 +171,10 @@ class DockingSequence:
         self._now = now
         if now - newest.stamp > self._parameters.odometry_timeout:
             raise _End(ResultCode.ODOMETRY_LOST, f"newest odometry is {now - newest.stamp:.2f} s old")
-        self._check_deadlines(now)
+        late = self._deadlines.missed(now, self._phase)
+        if late is not None:
+            raise _End(*late)
         return self.observer.odometry.at(now)
-
-    def _check_deadlines(self, now: float) -> None:
-        if now - self._goal_start > self._timeout:
-            raise _End(ResultCode.TIMEOUT, f"not finished within {self._timeout:.1f} s")
-        limits = self._parameters.timeouts
-        deadlines = {
-            Phase.WAITING_FOR_DOCK: (limits.detect, ResultCode.FAILED_TO_DETECT_DOCK),
-            Phase.APPROACH: (limits.approach, ResultCode.FAILED_TO_STAGE),
-            Phase.FINAL: (limits.final, ResultCode.TIMEOUT),
-            Phase.STOPPING: (limits.stopping, ResultCode.TIMEOUT),
-            Phase.RETRY: (limits.retry, ResultCode.FAILED_TO_STAGE),
-        }
-        if self._phase in deadlines:
-            limit, code = deadlines[self._phase]
-            if now - self._phase_start > limit:
-                raise _End(code, f"{self._phase.name} took longer than {limit:.1f} s")
 
     def _look(self, chair: Instant) -> Array:
         """The chair in the dock's frame (3,), after making sure that the dock is known well enough to move."""
@@ -224,7 +215,7 @@ class DockingSequence:
 
     def _approach(self, chair: Instant) -> Command:
         error = self._look(chair)
-        if self._way_in(error) or self._at_predock(error, chair):
+        if self._way_in(error) or (self._at_predock(error, chair) and self._navigator.straight_way_clear(error)):
             self._enter(Phase.FINAL)
             return self._final(chair)
         return self._go(chair, error)
@@ -248,21 +239,18 @@ class DockingSequence:
         error = self._look(chair)
         if self._corridor.missed(error):
             return self._try_again(chair, ResultCode.FAILED_TO_STAGE, "outside the corridor at the bay")
-        if self._stopped_long_enough(chair, error):
+        if self._standstill.at_rest_in_place(chair, error):
             self._enter(Phase.STOPPING)
             return _STANDING
-        if not self._stands(chair):
-            self._still_since = chair.stamp
-        elif chair.stamp - self._still_since > self._parameters.stall_time:
+        if self._standstill.stalled(chair):
             return self._try_again(chair, ResultCode.NOT_WITHIN_TOLERANCE, "stands short of the dock")
         return self._drive(chair, "dock")
 
     def _stop(self, chair: Instant) -> Command:
-        error, p = self._look(chair), self._parameters
-        if math.hypot(error[0], error[1]) > p.release_position or abs(error[2]) > p.release_heading:
+        if self._standstill.released(self._look(chair)):
             self._enter(Phase.FINAL)
             return self._drive(chair, "dock")
-        if self._has_stood(chair):
+        if self._standstill.has_stood(chair):
             self._enter(Phase.VERIFY)
         return _STANDING
 
@@ -301,7 +289,7 @@ class DockingSequence:
         p = self._parameters
         arrived = to_go[0] <= 0.0 or math.hypot(to_go[0], to_go[1]) <= p.predock_position
         if arrived and abs(chair.v) <= _UNDOCKED_SPEED:
-            if self._has_stood(chair):
+            if self._standstill.has_stood(chair):
                 raise _End(ResultCode.SUCCESS, "undocked")
             return _STANDING
         return self._drive(chair, "predock")
@@ -318,23 +306,6 @@ class DockingSequence:
         near = math.hypot(error[0] - self._dock.predock_x, error[1]) <= p.predock_position
         return near and abs(error[2]) <= p.predock_heading and abs(chair.v) <= _UNDOCKED_SPEED
 
-    def _stopped_long_enough(self, chair: Instant, error: Array) -> bool:
-        """In the hold zone, or in the release zone for some time: as near as it gets."""
-        p, position, heading = self._parameters, math.hypot(error[0], error[1]), abs(error[2])
-        if position > p.release_position or heading > p.release_heading:
-            self._settled_since = chair.stamp
-        settled = chair.stamp - self._settled_since >= p.settle_time
-        return settled or (position <= p.hold_position and heading <= p.hold_heading)
-
-    def _stands(self, chair: Instant) -> bool:
-        return max(abs(chair.v), abs(chair.omega)) <= self._parameters.standing_speed
-
-    def _has_stood(self, chair: Instant) -> bool:
-        """Whether the chair has stood for `standing_time`; to be asked in every cycle while it is asked to stand."""
-        if not self._stands(chair):
-            self._still_since = chair.stamp
-        return chair.stamp - self._still_since >= self._parameters.standing_time
-
     def _step(self, now: float, command: Command, result: Result | None = None) -> Step:
         self._motion.sent(now, command.v, command.omega)
         estimate = self.observer.estimate()
@@ -344,7 +315,7 @@ class DockingSequence:
             distance = max(0.0, error[0] - self._dock.predock_x)
         lateral, heading = (0.0, 0.0) if error is None else (float(error[1]), float(error[2]))
         age = -1.0 if estimate is None else estimate.age
-        elapsed = now - self._goal_start
+        elapsed = self._deadlines.elapsed(now)
         return Step(command, self._phase, elapsed, result, distance, lateral, heading, age, self._retries)
 
     def _finish(self, now: float, code: ResultCode, text: str) -> Step:
@@ -352,7 +323,7 @@ class DockingSequence:
         self.active = False
         self._controller.reset()
         error = np.zeros(3) if self._error is None else self._error
-        elapsed = max(0.0, now - self._goal_start)
+        elapsed = max(0.0, self._deadlines.elapsed(now))
         x, y, heading = (float(value) for value in error)
         result = Result(code, text, self._retries, elapsed, bool(self._contact), x, y, heading)
         step = self._step(now, _STANDING, result)

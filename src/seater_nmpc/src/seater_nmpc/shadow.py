@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from seater_nmpc.controller import Command, DockingController
+from seater_nmpc.command import Command
+from seater_nmpc.controller import DockingController
 from seater_nmpc.observer import DockObserver
 
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import CameraMount, Chair, Dock
 from seater_common.se2 import compose, wrap_angle
-from seater_nmpc.controller import Command
+from seater_nmpc.command import Command
 from seater_nmpc.odometry import Odometry
 
 Array = NDArray[np.float64]

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 namespace cv {
 class Mat;
 }
@@ -15,9 +13,5 @@ void checkPicture(const cv::Mat& grey);
 
 /// As above, and throws PictureError when the picture's size is not the calibration's.
 void checkPicture(const cv::Mat& grey, const CameraModel& camera);
-
-/// Throws PictureError for an image encoding (ROS's name of it) that is not a grey or colour picture of 8 or 16 bits:
-/// depth pictures and floating-point ones are not pictures of a marker.
-void checkEncoding(const std::string& encoding);
 
 }  // namespace seater_perception

@@ -35,11 +35,13 @@ struct PhotometricResult {
   double blur_sd = 0.0;                ///< [px] lens blur; geometric mean of both directions
   double blur_elongation = 1.0;        ///< wide over narrow direction of the whole point-spread function
   double noise_sd = 0.0;               ///< of the inliers' residuals [grey levels]
+  double flat_noise = 0.0;             ///< of pixels far from all edges; 0: none [grey levels]
   double rms = 0.0;                    ///< of all residuals, outliers too [grey levels]
   double reduced_chi_square = 0.0;  ///< robust cost over its expectation at the known noise_sd (1 when that is unknown)
   double cost = 0.0;                ///< sum of Tukey's rho of all pixels at the result's noise_sd
   double inlier_share = 0.0;
   double explained = 0.0;  ///< part of the grey levels' variance that the pattern explains, outliers included; 1: all
+  double clipped_low = 0.0, clipped_high = 0.0;  ///< share of the pixels at either end of the sensor's range
   int pixels = 0, iterations = 0;
 };
 

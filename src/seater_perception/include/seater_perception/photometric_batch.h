@@ -42,6 +42,7 @@ struct MarkerSamples {
   std::vector<float> steps;         ///< differences of neighbours within blocks [grey levels]: the noise alone
   double ray_x = 0.0, ray_y = 0.0;  ///< the middle ray
   int rays_per_pixel = 1;
+  double half_sheet = 0.0;  ///< half the side of print and quiet zone, where pixels see its end [cells]; 0: none does
   bool empty() const { return batch.count == 0; }
   void clear() {
     batch.count = batch.padded = 0;

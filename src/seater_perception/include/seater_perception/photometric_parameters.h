@@ -6,7 +6,7 @@ namespace seater_perception {
 
 /// How a pose is fitted to the grey levels.
 struct PhotometricParameters {
-  std::string blur = "estimated";
+  std::string blur = "directed";
   double blur_sd = 0.7;
   bool illumination_slope = true;
   double quiet_zone = 1.0;
@@ -14,7 +14,7 @@ struct PhotometricParameters {
   double saturation = 0.0;
   double reach = 2.5;
   double margin = 0.7;
-  int max_pixels = 3000;
+  int max_pixels = 8000;
   int max_iterations = 40;
   double tukey = 6.0;
   double max_shift = 0.3;

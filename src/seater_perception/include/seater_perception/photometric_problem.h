@@ -17,8 +17,8 @@ struct PhotometricState {
 };
 
 /// The least-squares problem: residuals, normal equations, steps. Unknowns: motion of the object (6, order and meaning
-/// as in pose.h), blur (0, 1 or 3), brightness of each marker (2 or 4), the latter eliminated marker by marker (Schur
-/// complement). Holds memory that is used again: one problem for all fits of a thread.
+/// as in pose.h), blur (0, 1 or 3), brightness of each marker (2, 4 or 5), the latter eliminated marker by marker
+/// (Schur complement). Holds memory that is used again: one problem for all fits of a thread.
 class PhotometricProblem {
  public:
   enum class Blur { given = 0, round = 1, directed = 3 };
@@ -40,6 +40,8 @@ class PhotometricProblem {
   double spread(double quantile) const;
   /// The same of the picture's noise alone, from the steps between neighbours within cells; clipped ones tell nothing.
   double flatNoise() const;
+  /// Whether there are enough such steps.
+  bool tellsNoise() const;
 
   /// The step that minimises the damped quadratic model, times `stretch`, applied to `state`; nothing when the
   /// equations are singular. `length`: its square in the metric of the normal equations [grey levels^2].
@@ -55,6 +57,9 @@ class PhotometricProblem {
   /// block counts [grey levels^2].
   double greySquares() const;
   double residualSquares() const;
+  /// Share of the pixels up to, and from this grey level on.
+  double shareBelow(double level) const;
+  double shareAbove(double level) const;
 
   int unknowns() const;
   int pixels() const;
@@ -63,11 +68,13 @@ class PhotometricProblem {
   using Block = Eigen::Matrix<double, kColumns, kColumns>;
   using Shared = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 9, 9>;
   using SharedVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1>;
-  using Own = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4, 4>;
+  using Own = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 5, 5>;
 
   bool evaluateMarker(std::size_t m, const PhotometricState& state, const Weighing& weighing, double part);
   void addBlocks(std::size_t m, const Brightness& brightness, const Weighing& weighing, double sum[kColumns][kColumns]);
   void toObject(std::size_t m, const PhotometricState& state);
+  template <typename Is>
+  double share(const Is& is) const;
   bool view(std::size_t m, const PhotometricState& state, MarkerView& view) const;
   Shared reduced(double damping, SharedVector& right) const;
   Own brightnessInformation(std::size_t m, double damping) const;
@@ -77,6 +84,7 @@ class PhotometricProblem {
   double fx_ = 1.0, fy_ = 1.0;
   int blur_ = 0, brightness_ = 2;
   double slope_damping_ = 0.0;                         // [grey levels^2] added to the information on the slopes
+  double rim_damping_ = 0.0;                           // the same on the rim
   double block_squares_ = 0.0;                         // of the blocks' residuals
   std::vector<Block> blocks_;                          // per marker, upper triangle of [J r]^T W [J r]
   std::vector<std::vector<float>> residuals_, valid_;  // per marker, of the last evaluation

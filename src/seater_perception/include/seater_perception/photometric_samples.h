@@ -28,19 +28,26 @@ struct PixelCandidate {
 class SampleCollector {
  public:
   /// Pixels of a marker whose pose in the optical frame is about this one. `margin` [px] is how far the pose may be
-  /// off; `most`: no more than so many. Empty when it is not in the picture.
+  /// off; `most`: no more than so many; `rim`: small markers may have pixels that see the end of the sheet. Empty when
+  /// it is not in the picture.
   void collect(const cv::Mat& grey, const CameraModel& camera, const PatternPlacement& placement,
-               const Eigen::Isometry3d& T_optical_marker, double blur_sd, double margin, int most,
+               const Eigen::Isometry3d& T_optical_marker, double blur_sd, double margin, int most, bool rim,
                const PhotometricParameters& parameters, MarkerSamples& samples);
 
  private:
   void fill(const cv::Mat& grey, const CameraModel& camera, const MarkerPattern& pattern, const PixelBox& box, int most,
             MarkerSamples& samples);
+  void tabulate(const MarkerPattern& pattern, const PixelBatch& batch);
+  void fillPattern(int cells, PixelBatch& batch);
+  void bendRays(const CameraModel& camera, MarkerSamples& samples);
+  void setRange(const PixelBox& box, const CameraModel& camera, MarkerSamples& samples) const;
   static bool sheetBox(const CameraModel& camera, const PatternPlacement& placement, const Eigen::Isometry3d& pose,
                        double quiet_zone, PixelBox& box);
 
   RayGrid grid_;
   std::vector<PixelCandidate> candidates_;
+  std::vector<int> order_;    // of the candidates in the batch
+  std::vector<float> table_;  // PixelBatch::pattern for all places of the borders
 };
 
 }  // namespace seater_perception

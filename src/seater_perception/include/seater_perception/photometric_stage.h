@@ -23,6 +23,9 @@ class PatternBook {
 /// apart; what remains is weighed by the photometric residual and the prior. Covariances are the fit's own. Corners
 /// become those of the best pose.
 ///
+/// True, but with the poses of the corners, when the print is not as the model has it (bent, cells of another width)
+/// and its fitted edges contradict the fitted pose.
+///
 /// False, and the marker unchanged, when no fit converged or the pattern does not explain the picture.
 bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const MarkerPattern& pattern,
                            const PhotometricRefiner& refiner, const PosePrior& prior, const PoseParameters& parameters,

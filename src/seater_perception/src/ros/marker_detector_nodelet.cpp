@@ -4,12 +4,14 @@
 #include <message_filters/subscriber.h>
 #include <message_filters/time_synchronizer.h>
 #include <nodelet/nodelet.h>
+#include <tf2_ros/transform_listener.h>
 
 #include <chrono>
 #include <memory>
 #include <mutex>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "odometry_motion.h"
 #include "ros_diagnostics.h"
 #include "ros_messages.h"
 #include "ros_parameters.h"
@@ -22,8 +24,8 @@ namespace seater_perception {
 /// Pictures to detections: only converts messages and parameters; DockTracker does the work. Topics:
 /// docs/perception.md.
 ///
-/// Threads: everything runs in the nodelet's single-threaded queue; the mutex is there because a subscriber may connect
-/// while onInit is still advertising.
+/// Threads: everything runs in the nodelet's single-threaded queue, but for TF, whose buffer has its own lock; the
+/// mutex is there because a subscriber may connect while onInit is still advertising.
 class MarkerDetectorNodelet : public nodelet::Nodelet {
  private:
   using Clock = std::chrono::steady_clock;
@@ -46,6 +48,10 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     detections_ = nh.advertise<seater_msgs::MarkerDetectionArray>("detections", 1, changed, changed);
     dock_pose_ = nh.advertise<geometry_msgs::PoseWithCovarianceStamped>("dock_pose", 1, changed, changed);
     annotated_ = transport_->advertise("detections/image", 1, image_changed, image_changed);
+    if (!parameters_.odometry_frame.empty()) {
+      transforms_ = std::make_unique<tf2_ros::TransformListener>(tf_buffer_, nh);
+      odometry_ = std::make_unique<OdometryMotion>(tf_buffer_, parameters_.odometry_frame);
+    }
     if (!parameters_.lazy) subscribe();
   }
 
@@ -60,6 +66,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   }
 
   void subscribe() {
+    forget();
     ros::NodeHandle& nh = getNodeHandle();
     if (parameters_.image_transport == "raw") {
       const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), getPrivateNodeHandle());
@@ -87,8 +94,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   void onImage(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info) {
     guarded([&](const Clock::time_point& begin) {
       followCalibration(*info);
-      const GreyPicture picture = toGrey(image);
-      process(picture.grey, image->header, begin);
+      process(toGrey(*image), image->header, begin);
     });
   }
 
@@ -106,6 +112,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     try {
       work(begin);
     } catch (const std::exception& error) {
+      if (odometry_) odometry_->reset();  // its last picture is no longer the tracker's
       diagnostics_->failed(error.what());
       NODELET_ERROR_THROTTLE(1.0, "picture not used: %s", error.what());
     }
@@ -115,6 +122,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   void followCalibration(const sensor_msgs::CameraInfo& info) {
     const Calibration calibration = toCalibration(info);
     if (detector_ && calibration == calibration_) return;
+    forget();
     detector_.reset();
     const CameraModel camera =
         parameters_.rectified ? CameraModel::rectified(calibration) : CameraModel::raw(calibration);
@@ -122,8 +130,19 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     calibration_ = calibration;
   }
 
+  /// The next picture has nothing to do with the last one.
+  void forget() {
+    if (detector_) detector_->reset();
+    if (odometry_) odometry_->reset();
+    last_stamp_ = ros::Time();
+  }
+
   void process(const cv::Mat& grey, const std_msgs::Header& header, const Clock::time_point& begin) {
-    const DetectionResult result = detector_->detect(grey);
+    if (header.stamp < last_stamp_) forget();  // a bag or a simulation that begins anew
+    last_stamp_ = header.stamp;
+    std::optional<Eigen::Isometry3d> T_now_last;
+    if (odometry_) T_now_last = odometry_->next(header.frame_id, header.stamp);
+    const DetectionResult result = detector_->detect(grey, T_now_last);
     seater_msgs::MarkerDetectionArray message = toMessage(result, header);
     message.processing_time = std::chrono::duration<double>(Clock::now() - begin).count();
     detections_.publish(message);
@@ -136,7 +155,8 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
       dock_pose_.publish(dock);
     }
     const double latency = (ros::Time::now() - header.stamp).toSec();
-    diagnostics_->published(latency, message.processing_time, !message.dock.empty());
+    diagnostics_->published({latency, message.processing_time, !message.dock.empty(), result.full_search,
+                             T_now_last.has_value(), result.dock.size() > 1});
     if (annotated_.getNumSubscribers() > 0) publishAnnotated(grey, header, result, latency, message.processing_time);
   }
 
@@ -163,6 +183,10 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   ros::Publisher detections_, dock_pose_;
   image_transport::Publisher annotated_;
   std::unique_ptr<Diagnostics> diagnostics_;
+  tf2_ros::Buffer tf_buffer_;
+  std::unique_ptr<tf2_ros::TransformListener> transforms_;  // fills the buffer from a thread of its own
+  std::unique_ptr<OdometryMotion> odometry_;                // nothing when there is no odometry to look up
+  ros::Time last_stamp_;                                    // of the last picture
 };
 
 }  // namespace seater_perception

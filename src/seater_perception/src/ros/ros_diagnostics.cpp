@@ -29,10 +29,14 @@ Diagnostics::Diagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& p
       handle.createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { updater_.force_update(); });
 }
 
-void Diagnostics::published(double latency, double processing_time, bool dock_seen) {
-  latency_.push_back(latency);
-  processing_.push_back(processing_time);
-  seen_ += dock_seen ? 1 : 0;
+void Diagnostics::published(const PictureReport& picture) {
+  latency_.push_back(picture.latency);
+  processing_.push_back(picture.processing_time);
+  seen_ += picture.dock_seen ? 1 : 0;
+  full_searches_ += picture.full_search ? 1 : 0;
+  odometry_ += picture.odometry ? 1 : 0;
+  ambiguous_ += picture.ambiguous ? 1 : 0;
+  total_full_searches_ += picture.full_search ? 1 : 0;
   ++total_pictures_;
 }
 
@@ -64,14 +68,18 @@ void Diagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("largest latency allowed [ms]", 1e3 * parameters_.max_latency);
   status.add("processing time, median [ms]", 1e3 * median(processing_));
   status.add("pictures with the dock", seen_);
+  status.add("pictures with two poses of the dock", ambiguous_);
+  status.add("pictures with odometry", odometry_);
+  status.add("full searches", full_searches_);
   status.add("errors", errors_);
   status.add("pictures since start", total_pictures_);
+  status.add("full searches since start", total_full_searches_);
   status.add("errors since start", total_errors_);
   status.add("last error", last_error_);
   since_ = now;
   latency_.clear();
   processing_.clear();
-  seen_ = errors_ = 0;
+  seen_ = full_searches_ = odometry_ = ambiguous_ = errors_ = 0;
 }
 
 }  // namespace seater_perception

@@ -10,13 +10,23 @@
 
 namespace seater_perception {
 
+/// What one picture came to.
+struct PictureReport {
+  double latency = 0.0;          ///< [s] stamp to publication
+  double processing_time = 0.0;  ///< [s]
+  bool dock_seen = false;
+  bool full_search = false;  ///< the whole picture was searched
+  bool odometry = false;     ///< TF told how the camera moved
+  bool ambiguous = false;    ///< more than one pose of the dock went out
+};
+
 /// Rate, latency (stamp to publication) and errors of the last seconds, on /diagnostics once per second of wall time.
 class Diagnostics {
  public:
   Diagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, const std::string& name,
               const DiagnosticsParameters& parameters);
 
-  void published(double latency, double processing_time, bool dock_seen);  ///< both [s]
+  void published(const PictureReport& picture);
   void failed(const std::string& reason);
   void setListening(bool listening) { listening_ = listening; }
 
@@ -30,8 +40,8 @@ class Diagnostics {
   bool listening_ = false;
   // Since the last report, and (total_) since the start:
   std::vector<double> latency_, processing_;
-  int seen_ = 0, errors_ = 0;
-  long total_pictures_ = 0, total_errors_ = 0;
+  int seen_ = 0, full_searches_ = 0, odometry_ = 0, ambiguous_ = 0, errors_ = 0;
+  long total_pictures_ = 0, total_full_searches_ = 0, total_errors_ = 0;
   std::string last_error_;
 };
 

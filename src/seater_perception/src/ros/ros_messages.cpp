@@ -1,12 +1,10 @@
 #include "ros_messages.h"
 
-#include <cv_bridge/cv_bridge.h>
-
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 
 #include "seater_perception/errors.h"
-#include "seater_perception/image_checks.h"
+#include "seater_perception/grey_picture.h"
 
 namespace seater_perception {
 
@@ -30,27 +28,30 @@ Calibration toCalibration(const sensor_msgs::CameraInfo& info) {
   return c;
 }
 
-GreyPicture toGrey(const sensor_msgs::ImageConstPtr& message) {
-  if (message->width == 0 || message->height == 0 || message->data.empty()) throw PictureError("the picture is empty");
-  checkEncoding(message->encoding);
-  try {
-    const auto shared = cv_bridge::toCvShare(message, "mono8");
-    return {message, shared->image};
-  } catch (const cv_bridge::Exception& error) {
-    throw PictureError(std::string("the picture cannot be converted: ") + error.what());
-  } catch (const cv::Exception& error) {
-    throw PictureError(std::string("the picture cannot be converted: ") + error.what());
-  }
+cv::Mat toGrey(const sensor_msgs::Image& message) {
+  RawPicture picture;
+  picture.encoding = message.encoding;
+  picture.width = static_cast<int>(message.width);
+  picture.height = static_cast<int>(message.height);
+  picture.step = message.step;
+  picture.big_endian = message.is_bigendian != 0;
+  picture.data = message.data.data();
+  picture.size = message.data.size();
+  return toGrey(picture);
 }
 
 cv::Mat toGrey(const sensor_msgs::CompressedImage& message) {
   if (message.data.empty()) throw PictureError("the compressed picture is empty");
-  cv::Mat grey;
+  cv::Mat grey;  // of 8 bits, or (PNG) 16
   try {
-    grey = cv::imdecode(message.data, cv::IMREAD_GRAYSCALE);
-  } catch (const cv::Exception&) {  // as good as unreadable
+    grey = cv::imdecode(message.data, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+  } catch (const cv::Exception&) {
+    // as good as unreadable
   }
-  if (grey.empty()) throw PictureError("the compressed picture ('" + message.format + "') cannot be decoded");
+  if (grey.depth() == CV_16U && !grey.empty()) grey = reduceTo8Bits(grey);
+  if (grey.empty() || grey.type() != CV_8UC1) {
+    throw PictureError("the compressed picture ('" + message.format + "') cannot be decoded");
+  }
   return grey;
 }
 

@@ -16,12 +16,9 @@ namespace seater_perception {
 /// picture).
 Calibration toCalibration(const sensor_msgs::CameraInfo& info);
 
-/// A grey picture that shares the message's memory where it can. Both throw PictureError.
-struct GreyPicture {
-  sensor_msgs::ImageConstPtr owner;
-  cv::Mat grey;
-};
-GreyPicture toGrey(const sensor_msgs::ImageConstPtr& message);
+/// The picture in grey, CV_8UC1; shares the message's memory where it can, so the message has to outlive it. Both throw
+/// PictureError.
+cv::Mat toGrey(const sensor_msgs::Image& message);
 cv::Mat toGrey(const sensor_msgs::CompressedImage& message);
 
 /// Without processing_time.

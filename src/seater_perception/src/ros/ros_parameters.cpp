@@ -46,6 +46,14 @@ std::string readTransport(const ros::NodeHandle& handle) {
   throw ConfigurationError(handle.resolveName("image_transport") + ": is '" + name + "', must be raw or compressed");
 }
 
+std::string readFrame(const ros::NodeHandle& handle) {
+  XmlRpcValue found;
+  if (!handle.getParam("odometry_frame", found)) return "";
+  if (found.getType() == XmlRpcValue::TypeString) return static_cast<std::string>(found);
+  throw ConfigurationError(handle.resolveName("odometry_frame") + ": is " + found.toXml() +
+                           ", must be the name of a TF frame (text), or empty for none");
+}
+
 YAML::Node toYamlMap(XmlRpcValue value) {
   YAML::Node node(YAML::NodeType::Map);
   for (auto& [key, child] : value) node[key] = toYaml(child);
@@ -95,6 +103,7 @@ NodeParameters loadNodeParameters(const ros::NodeHandle& handle) {
   collect(problems, [&] { readBoolean(handle, "rectified", true, p.rectified); });
   collect(problems, [&] { readBoolean(handle, "lazy", false, p.lazy); });
   collect(problems, [&] { p.image_transport = readTransport(handle); });
+  collect(problems, [&] { p.odometry_frame = readFrame(handle); });
   if (!problems.empty()) throw ConfigurationError(problems);
   return p;
 }

@@ -1,8 +1,8 @@
 // The last gate before the motors, free of ROS.
 //
 // Whatever comes in, what goes out is finite, within the limits of speed and acceleration, and zero when nobody who is
-// allowed to ask has asked recently. Times are seconds of one clock that never runs backward; speeds are m/s and rad/s
-// in base_link (x forward, anticlockwise positive).
+// allowed to ask has asked recently. Times are seconds of one clock; where it jumps backward, all that was asked for
+// before is forgotten. Speeds are m/s and rad/s in base_link (x forward, anticlockwise positive).
 #pragma once
 
 #include <string>
@@ -39,6 +39,11 @@ class VelocityGate {
   // Throws std::invalid_argument with the text of GateParameters::check.
   explicit VelocityGate(const GateParameters& parameters);
 
+  // The time [s] at which a request counts as made: `now`, or its stamp where that is a little later. Simulated time
+  // and a request stamped with it come on two connections, and which is read first is up to the machine; with the stamp
+  // the gate does the same either way. A stamp far in the future is not believed.
+  static double requestTime(double now, double stamp);
+
   // The docking controller asks. A request that is not finite is refused: it counts as a request for zero.
   void request(double now, const Velocity& velocity);
   // The person in the seat moves the joystick: this has precedence while it is fresh. Not finite: refused, as above.
@@ -64,6 +69,7 @@ class VelocityGate {
   };
 
   void store(Source& source, double now, const Velocity& velocity);
+  void noticeTimeJump(double now);
   static bool fresh(const Source& source, double now, double timeout);
   Velocity wanted(double now);
 

@@ -88,6 +88,7 @@ def run_cell(job: CellJob) -> dict[str, Any]:
         "pictures": job.pictures,
         "bound_mm": float(np.mean([b[0] for b in bounds])),
         "bound_median_mm": float(np.mean([b[1] for b in bounds])),
+        "bound_draws_mm": [float(length) for b in bounds for length in b[3]],
         "bound_deg": float(np.mean([b[2] for b in bounds])),
         "nees": nees_entry(nees),
         "wrong_branch": wrong,
@@ -106,12 +107,15 @@ def _cut_detect(detect: Detector, image: Any, truth: Print, camera: Any) -> list
     return cut(np.ascontiguousarray(image[y0:y1, x0:x1]))
 
 
-def bound_entry(C: Any) -> tuple[float, float, float]:
+def bound_entry(C: Any) -> tuple[float, float, float, Any]:
     """Of a bound's covariance: rms position error [mm], median length of the position error [mm] of an estimator that
-    reaches it (drawn: the length of an anisotropic normal error has no closed median), rms rotation error [deg]."""
+    reaches it (drawn: the length of an anisotropic normal error has no closed median), rms rotation error [deg], and 40
+    equally spaced quantiles of that length [mm], so that bounds of several poses can be pooled."""
     draws = np.random.default_rng(0).multivariate_normal(np.zeros(3), 1e6 * C[:3, :3], 4000, method="cholesky")
     rms = np.sqrt([np.trace(C[:3, :3]), np.trace(C[3:, 3:])])
-    return 1e3 * float(rms[0]), float(np.median(np.linalg.norm(draws, axis=1))), math.degrees(float(rms[1]))
+    lengths = np.linalg.norm(draws, axis=1)
+    quantiles = np.quantile(lengths, (np.arange(40) + 0.5) / 40)
+    return 1e3 * float(rms[0]), float(np.median(lengths)), math.degrees(float(rms[1])), quantiles
 
 
 def _lengths(estimate: Any, truth: Any) -> tuple[float, float]:
@@ -123,7 +127,8 @@ def _lengths(estimate: Any, truth: Any) -> tuple[float, float]:
 def _entry(errors: list[tuple[float, float]], shown: int) -> dict[str, Any]:
     """Medians and percentiles of what was found."""
     position, angle = spread([1e3 * e[0] for e in errors]), spread([math.degrees(e[1]) for e in errors])
-    return {"found": len(errors), "shown": shown, "position_mm": position, "angle_deg": angle}
+    every = [1e3 * e[0] for e in errors]
+    return {"found": len(errors), "shown": shown, "position_mm": position, "angle_deg": angle, "every_mm": every}
 
 
 def nees_entry(nees: list[float]) -> dict[str, Any]:

@@ -34,6 +34,7 @@ LABELS = {
     "opencv_apriltag": "OpenCV, APRILTAG refinement",
     "pupil_apriltags": "pupil-apriltags (36h11)",
     "bound": "Cramér-Rao bound",
+    "published_corners": "(the package's own corners)",
 }
 APRILTAG_FAMILY, APRILTAG_DICTIONARY = "tag36h11", "DICT_APRILTAG_36h11"
 
@@ -102,7 +103,14 @@ def _pupil_apriltags(K: Array, size: float) -> Detector:
     """AprilTag 3 at full resolution (quad_decimate 1): its most accurate setting, not its fastest."""
     from pupil_apriltags import Detector as AprilTagDetector
 
-    detector = AprilTagDetector(families=APRILTAG_FAMILY, nthreads=1, quad_decimate=1.0)
+    class Kept(AprilTagDetector):
+        """Never destroyed: its destructor frees the tag families and then writes into them (pupil-apriltags 1.0.4, seen with
+        valgrind: quick_decode_uninit after tag36h11_destroy), which breaks the heap of the whole process later on."""
+
+        def __del__(self) -> None:
+            pass
+
+    detector = Kept(families=APRILTAG_FAMILY, nthreads=1, quad_decimate=1.0)
     # It counts from the picture's corner: everything is half a pixel larger, the principal point too.
     camera = (K[0, 0], K[1, 1], K[0, 2] + 0.5, K[1, 2] + 0.5)
     # Its y goes down and its z into the paper; OpenCV's dictionary has the tags turned by half a turn.

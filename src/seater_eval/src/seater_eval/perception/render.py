@@ -60,7 +60,7 @@ def box_of(print_: Print, camera: DegradedCamera, cells_around: float, pixels_ar
 def samples_for(print_: Print, camera: DegradedCamera) -> int:
     """Samples across a pixel: many for small prints, which need them and cost little."""
     side = camera.focal_length * print_.size / max(float(print_.pose[2, 3]), 1e-6)
-    return 12 if side < 60.0 else 8 if side < 130.0 else 5 if side < 300.0 else 4
+    return 12 if side < 60.0 else 8 if side < 130.0 else 5 if side < 300.0 else 4 if side < 600.0 else 2
 
 
 def reflectance(

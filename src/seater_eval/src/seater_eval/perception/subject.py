@@ -47,12 +47,18 @@ def layout(size: float, prior: bool, ids: tuple[int, ...] = (0,), dictionary: st
 
 
 def make_detector(
-    camera: DegradedCamera, size: float, parameters: dict[str, Any], *, prior: bool, tracking: bool = False
+    camera: DegradedCamera,
+    size: float,
+    parameters: dict[str, Any],
+    *,
+    prior: bool,
+    tracking: bool = False,
+    ids: tuple[int, ...] = (0,),
 ) -> Any:
     """A DockDetector, or a DockTracker. Raises ParameterError naming the key."""
     kind = sp.DockTracker if tracking else sp.DockDetector
     try:
-        return kind(camera_model(camera), layout(size, prior), parameters)
+        return kind(camera_model(camera), layout(size, prior, ids), parameters)
     except sp.ConfigurationError as error:
         raise ParameterError(str(error)) from error
 
@@ -60,6 +66,12 @@ def make_detector(
 def has_tracker() -> bool:
     """Whether the library can follow markers from picture to picture."""
     return hasattr(sp, "DockTracker")
+
+
+def library_files() -> list[Path]:
+    """The files of the library and its Python module as they are loaded in this process."""
+    maps = Path("/proc/self/maps").read_text().splitlines()
+    return sorted({Path(line.split()[-1]) for line in maps if "seater_perception" in line and ".so" in line})
 
 
 def as_peer(detector: Any) -> Detector:

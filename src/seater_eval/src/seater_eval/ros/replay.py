@@ -26,7 +26,7 @@ from seater_common.geometry import Chair, planar_pose, pose_matrix, rotation_mat
 from seater_eval.recording import heading_of, pose_at
 from seater_eval.replay_log import CycleRow, PictureRow
 from seater_eval.ros.connections import is_connected, links
-from seater_msgs.msg import ControllerStatus, InputDone, MarkerDetectionArray
+from seater_msgs.msg import ControllerStatus, InputDone, MarkerDetectionArray, ObstacleArray
 
 ANSWER_TIMEOUT = 10.0  # [s] wall time
 ANSWERS = ("detections", "input_done", "controller_status")
@@ -44,6 +44,7 @@ class Topics:
     camera_info: str
     odom: str
     transport: str = "raw"
+    obstacles: str = "obstacles"  # played where the bag has it
 
     @property
     def pictures(self) -> str:
@@ -104,6 +105,9 @@ class Replay:
         self._bag, self._topics, self._rate = bag, topics, rate
         names = bag.get_type_and_topic_info()[1]
         self._names = {key: self._find(getattr(topics, key), names) for key in ("pictures", "camera_info", "odom")}
+        obstacles = [name for name in names if absolute(name) == absolute(topics.obstacles)]
+        if obstacles:
+            self._names["obstacles"] = obstacles[0]
         self.pictures_in_bag = int(names[self._names["pictures"]].message_count)
         self.length = bag.get_end_time() - bag.get_start_time()
         kind = CompressedImage if topics.transport == "compressed" else Image
@@ -114,8 +118,10 @@ class Replay:
             "camera_info": rospy.Publisher("camera/color/camera_info", CameraInfo, queue_size=10),
             "pictures": rospy.Publisher("camera/color/image_raw" + suffix, kind, queue_size=10),
         }
+        if obstacles:
+            self._publishers["obstacles"] = rospy.Publisher("obstacles", ObstacleArray, queue_size=10)
         self.answers = Answers()
-        self.unanswered = 0
+        self.unanswered = self.obstacle_messages = 0
 
     @staticmethod
     def _find(wanted: str, names: Any) -> str:
@@ -172,7 +178,7 @@ class Replay:
         waiting: dict[rospy.Time, tuple[str, Any]] = {}
         for name, message, stamp in self._bag.read_messages(topics=list(keys)):
             key = keys[name]
-            if key == "odom":
+            if key in ("odom", "obstacles"):
                 yield key, message, stamp
                 continue
             other = waiting.pop(message.header.stamp, None)
@@ -185,8 +191,9 @@ class Replay:
                 yield "pictures", pair["pictures"], stamp
 
     def _wait_for_answer(self, key: str, stamp: rospy.Time) -> None:
-        if key == "odom":
-            self.answers.wait_for_done("odom", stamp)
+        if key in ("odom", "obstacles"):
+            self.answers.wait_for_done(key, stamp)
+            self.obstacle_messages += key == "obstacles"
         elif key == "pictures":
             if self.answers.wait_for_detections(stamp):
                 self.answers.wait_for_done("detections", stamp)

@@ -28,7 +28,7 @@ from seater_msgs.msg import (
     UndockFeedback,
     UndockResult,
 )
-from seater_nmpc.controller import Command
+from seater_nmpc.command import Command
 from seater_nmpc.measurement import Hypothesis
 from seater_nmpc.observer import DockEstimate
 from seater_nmpc.odometry import Odometry

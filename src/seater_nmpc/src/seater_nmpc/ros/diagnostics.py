@@ -8,7 +8,8 @@ import diagnostic_updater
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from seater_nmpc.controller import Command, DockingController
+from seater_nmpc.command import Command
+from seater_nmpc.controller import DockingController
 from seater_nmpc.observer import DockObserver
 
 

@@ -9,7 +9,6 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 import rospy
 import tf2_ros
 from geometry_msgs.msg import PoseWithCovarianceStamped, TwistStamped
@@ -17,17 +16,19 @@ from nav_msgs.msg import Odometry as OdometryMsg
 from nav_msgs.msg import Path
 from std_msgs.msg import Bool, Header
 
-from seater_common.geometry import Chair, Dock, planar_pose
+from seater_common.geometry import Chair, Dock
 from seater_common.params import load
 from seater_msgs.msg import ControllerStatus, InputDone, MarkerDetectionArray, ObstacleArray
-from seater_nmpc.controller import Command, DockingController
+from seater_nmpc.command import Command
+from seater_nmpc.controller import DockingController
 from seater_nmpc.navigator import Navigator
 from seater_nmpc.observer import DockObserver, Outcome
 from seater_nmpc.parameters import NmpcParameters
 from seater_nmpc.results import ResultCode, Step
 from seater_nmpc.ros import conversions
 from seater_nmpc.ros.diagnostics import Diagnostics
-from seater_nmpc.ros.goals import Goals, valid_timeout
+from seater_nmpc.ros.goal_checks import RefusedError, check_goal
+from seater_nmpc.ros.goals import Goals
 from seater_nmpc.ros.obstacles import Obstacles
 from seater_nmpc.sequence import DockingSequence
 from seater_nmpc.shadow import Shadow
@@ -76,7 +77,8 @@ class DockingNode:
         self._clock: Callable[[], float] = rospy.get_time if self._lock_step else time.monotonic
         self._last_odometry = self._clock()
         self._controller.warm_up()  # before anything is advertised: the first cycle is not late
-        navigator.prepare()
+        if not shadow:
+            navigator.prepare()
         self._advertise()
         self._obstacles = Obstacles(self._tf, self._dock_frame, self._parameters.sequence.obstacle_timeout)
         self._diagnostics = Diagnostics(self._controller, self._observer, self._period)
@@ -217,18 +219,12 @@ class DockingNode:
         goal, now = handle.get_goal(), self._stamp.to_sec()
         if self._goals.active and self._goals.kind != kind:
             return self._goals.refuse(kind, handle, ResultCode.BUSY, f"{self._goals.kind} is active")
-        if not valid_timeout(goal.timeout):
-            return self._goals.refuse(kind, handle, ResultCode.DOCK_NOT_VALID, f"timeout is {goal.timeout}")
         if self._observer.odometry.newest is None:
             return self._goals.refuse(kind, handle, ResultCode.ODOMETRY_LOST, "no odometry yet")
-        prior = None
-        if kind == "dock":
-            if goal.use_dock_id and goal.dock_id not in ("", self._dock.name):
-                return self._goals.refuse(kind, handle, ResultCode.DOCK_NOT_IN_DB, f"no dock {goal.dock_id!r}")
-            try:
-                prior = None if goal.use_dock_id else self._prior(goal.dock_pose)
-            except (tf2_ros.TransformException, ValueError) as error:
-                return self._goals.refuse(kind, handle, ResultCode.DOCK_NOT_VALID, f"dock_pose: {error}")
+        try:
+            prior = check_goal(kind, goal, self._dock.name, self._tf, self._odom_frame)
+        except RefusedError as refused:
+            return self._goals.refuse(kind, handle, refused.code, refused.text)
         self._abort(ResultCode.CANCELED, "replaced by a new goal")
         self._goals.accept(kind, handle)
         counters = self._controller.counters
@@ -237,14 +233,6 @@ class DockingNode:
             self._sequence.start_dock(now, goal.timeout, prior)
         else:
             self._sequence.start_undock(now, goal.timeout)
-
-    def _prior(self, stamped: Any) -> np.ndarray:
-        """The goal's dock pose in odom, by TF at the stamp that it carries."""
-        T = conversions.matrix(stamped.pose)
-        if not np.all(np.isfinite(T)):
-            raise ValueError("is not finite, or its quaternion is no rotation")
-        found = self._tf.lookup_transform(self._odom_frame, stamped.header.frame_id, stamped.header.stamp).transform
-        return planar_pose(conversions.transform_matrix(found) @ T)
 
     def _on_cancel(self, handle: Any) -> None:
         if self._goals.is_current(handle):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import rospy
 import tf2_ros
@@ -23,14 +23,24 @@ from seater_sim.ros.options import Options
 from seater_sim.ros.peers import publishers_of, sends_to, subscribers_of
 from seater_sim.simulator import Picture, Simulator, Truth
 
-if TYPE_CHECKING:
-    from seater_sim.ros.node import SimNode
+
+class Receiver(Protocol):
+    """Who is told what arrives: the node. Called in ROS's threads."""
+
+    def on_command(self, v: float, omega: float, stamped: bool) -> None:
+        """A velocity command [m/s, rad/s]."""
+
+    def on_run(self, run: bool) -> None:
+        """Let the time pass, or stand."""
+
+    def on_cover(self, cover: bool) -> None:
+        """Hide all markers, or show them again."""
 
 
 class Links:
     """Everything that connects the simulator with other nodes. Callbacks only store and notify."""
 
-    def __init__(self, options: Options, node: SimNode) -> None:
+    def __init__(self, options: Options, node: Receiver) -> None:
         self._options = options
         self._tells_obstacles = options.publish_obstacles and bool(options.simulator.obstacles)
         self._answers: Answers[Any] = Answers()

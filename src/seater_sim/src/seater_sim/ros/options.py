@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import rospy
@@ -11,7 +11,7 @@ from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError, load, param
 from seater_sim.camera_model import CameraModel
 from seater_sim.events import Event, load_events
-from seater_sim.settings import PlanarPose, SimulatorSettings
+from seater_sim.settings import Obstacle, PlanarPose, SimulatorSettings
 
 PARTICIPANTS = ("detections", "input_done", "cmd_vel_stamped")
 
@@ -30,6 +30,7 @@ class RunSettings:
     )
     answer_timeout: float = param(20.0, "s", "wall time after which a missing answer is given up", low=0.1, high=3600.0)
     publish_obstacles: bool = param(True, "", "tell the docking node what stands in the way, on `obstacles`")
+    obstacles: list[Obstacle] = field(default_factory=list)  # of this run, beside those of the simulator's file
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,12 @@ class Options(RunSettings):
 
 
 # These few may be left out; everything else is required.
-OPTIONAL: dict[str, Any] = {"participants": list(PARTICIPANTS), "answer_timeout": 20.0, "publish_obstacles": True}
+OPTIONAL: dict[str, Any] = {
+    "participants": list(PARTICIPANTS),
+    "answer_timeout": 20.0,
+    "publish_obstacles": True,
+    "obstacles": [],
+}
 
 
 def load_options() -> Options:
@@ -58,11 +64,12 @@ def load_options() -> Options:
     names = [name for name in RunSettings.__dataclass_fields__ if name in given]
     run = load(RunSettings, OPTIONAL | {name: given[name] for name in names}, prefix)
     dock = load(Dock, _required("dock"), f"{prefix}/dock")
+    simulator = load(SimulatorSettings, _required("simulator"), f"{prefix}/simulator")
     return Options(
         **run.__dict__,
         chair=load(Chair, _required("chair"), f"{prefix}/chair"),
         dock=dock,
-        simulator=load(SimulatorSettings, _required("simulator"), f"{prefix}/simulator"),
+        simulator=replace(simulator, obstacles=[*simulator.obstacles, *run.obstacles]),
         camera=CameraModel.from_mapping(_required("camera"), f"{prefix}/camera"),
         events=load_events(rospy.get_param("~events", []), f"{prefix}/events", [m.id for m in dock.markers]),
     )

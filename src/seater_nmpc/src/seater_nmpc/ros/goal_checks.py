@@ -1,0 +1,53 @@
+"""Whether a goal can be worked on, and where it says that the dock is."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import tf2_ros
+from numpy.typing import NDArray
+
+from seater_common.geometry import planar_pose
+from seater_nmpc.results import ResultCode
+from seater_nmpc.ros import conversions
+from seater_nmpc.ros.goals import valid_timeout
+
+
+class RefusedError(Exception):
+    """Why a goal is not worked on."""
+
+    def __init__(self, code: ResultCode, text: str) -> None:
+        super().__init__(text)
+        self.code, self.text = code, text
+
+
+def check_goal(
+    kind: str, goal: Any, dock_name: str, transforms: tf2_ros.Buffer, odom_frame: str
+) -> NDArray[np.float64] | None:
+    """The rough dock pose (x, y, heading) in odom that a `dock` goal gives; None where it names the dock, and for `undock`.
+
+    Raises:
+        RefusedError: bad time-out, unknown dock, a pose that is not finite or has no transform at its stamp.
+    """
+    if not valid_timeout(goal.timeout):
+        raise RefusedError(ResultCode.DOCK_NOT_VALID, f"timeout is {goal.timeout}")
+    if kind != "dock":
+        return None
+    if goal.use_dock_id:
+        if goal.dock_id not in ("", dock_name):
+            raise RefusedError(ResultCode.DOCK_NOT_IN_DB, f"no dock {goal.dock_id!r}")
+        return None
+    try:
+        return _prior(goal.dock_pose, transforms, odom_frame)
+    except (tf2_ros.TransformException, ValueError) as error:
+        raise RefusedError(ResultCode.DOCK_NOT_VALID, f"dock_pose: {error}") from error
+
+
+def _prior(stamped: Any, transforms: tf2_ros.Buffer, odom_frame: str) -> NDArray[np.float64]:
+    """The goal's dock pose in odom, by TF at the stamp that it carries."""
+    T = conversions.matrix(stamped.pose)
+    if not np.all(np.isfinite(T)):
+        raise ValueError("is not finite, or its quaternion is no rotation")
+    found = transforms.lookup_transform(odom_frame, stamped.header.frame_id, stamped.header.stamp).transform
+    return planar_pose(conversions.transform_matrix(found) @ T)
