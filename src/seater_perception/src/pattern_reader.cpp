@@ -15,7 +15,7 @@ constexpr double kWorthFitting = 0.5;   // correlation before the fit
 // What true markers and pictures without markers reach: docs/perception.md.
 constexpr double kSmallestMargin = 0.045;  // of correlation, over the next best code
 constexpr double kLargestBitError = 0.9;   // of what turns a bit round
-constexpr double kCostOfCovered = 0.1;     // of evidence, for each sample left out: what is chosen proves less
+constexpr double kCostOfCovered = 0.25;    // of evidence, for each sample left out: what is chosen proves less
 constexpr double kDarkestQuiet = -0.7, kLightestQuiet = 0.5;  // of the contrast, over the print's white
 constexpr double kPerhapsMoving = 0.5;                        // part explained without motion
 constexpr double kHopeless = 0.2;                             // part explained after some steps
