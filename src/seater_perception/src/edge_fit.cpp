@@ -21,7 +21,7 @@ constexpr double kSmallestContrast = 8.0;  // [grey levels] between light and da
 constexpr double kLargestResidual = 0.15;  // rms, of the contrast: more is not one edge
 constexpr double kDark = 0.1;  // share of the samples that are darker than what is taken for dark, to begin with
 constexpr int kSteps = 12, kPasses = 3;
-constexpr double kLargestMove = 1.5, kSmallMove = 0.4;  // of a corner in one pass, in half bands
+constexpr double kLargestMove = 1.5, kSmallMove = 0.6;  // of a corner in one pass, in half bands
 constexpr double kDone = 1e-3;                          // [px]
 constexpr double kSamples = 1200.0;    // of a side are enough; a longer side gives every second, third ... pixel
 constexpr double kSmallestBlur = 0.1;  // [px] that is told of a lens

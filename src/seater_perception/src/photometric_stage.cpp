@@ -164,7 +164,7 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
   };
   auto hypotheses = fit(refiner, blur);
   if (hypotheses.empty() && blur > 0.0) hypotheses = fit(refiner, 0.0);
-  if (hypotheses.empty() && marker.image.edges_fitted && marker.image.side() > kLargeSide) {
+  if (hypotheses.empty() && marker.image.side() > kLargeSide) {
     // The quiet zone may be darker than the print's white (cut close and pasted on a wall): the print alone, then.
     PhotometricParameters print_only = refiner.parameters();
     print_only.quiet_zone = 0.0;
