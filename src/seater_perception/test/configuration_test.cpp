@@ -60,7 +60,7 @@ TEST(Parameters, fileHoldsTheDefaults) {
   built_in.visit(b);
   EXPECT_EQ(a.values, b.values);
   EXPECT_EQ(a.text, b.text);
-  EXPECT_EQ(a.values.size(), 44u);
+  EXPECT_EQ(a.values.size(), 45u);
 }
 
 TEST(Parameters, everyProblemIsNamedAtOnce) {
