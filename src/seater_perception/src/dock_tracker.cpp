@@ -25,6 +25,7 @@ DockTracker::DockTracker(const CameraModel& camera, const DockLayout& layout, co
 void DockTracker::reset() {
   last_ = DetectionResult();
   before_.clear();
+  doubtful_.clear();
   since_full_search_ = 0;
 }
 
@@ -64,6 +65,7 @@ std::map<int, DockTracker::Corners> DockTracker::predict(const std::optional<Eig
     }
     predicted[marker.image.id] = corners;
   }
+  for (const int id : doubtful_) predicted.erase(id);
   return predicted;
 }
 
@@ -92,7 +94,7 @@ std::vector<MarkerCorners> DockTracker::follow(const cv::Mat& grey, const std::m
 
 DetectionResult DockTracker::detect(const cv::Mat& grey, const std::optional<Eigen::Isometry3d>& T_now_last) {
   checkPicture(grey, detector_.camera());
-  const auto predicted = parameters_.enabled ? predict(T_now_last) : std::map<int, Corners>();
+  auto predicted = parameters_.enabled ? predict(T_now_last) : std::map<int, Corners>();
   DetectionResult result;
   result.full_search = true;
   if (!predicted.empty() && since_full_search_ + 1 < parameters_.full_search_every) {
@@ -100,7 +102,10 @@ DetectionResult DockTracker::detect(const cv::Mat& grey, const std::optional<Eig
     result.full_search = result.markers.empty();
   }
   if (result.full_search) {
-    result = detector_.evaluate(grey, follow(grey, predicted, detector_.markerDetector().detect(grey)));
+    doubtful_.clear();
+    const auto found = detector_.markerDetector().detect(grey, &doubtful_);
+    for (const int id : doubtful_) predicted.erase(id);
+    result = detector_.evaluate(grey, follow(grey, predicted, found));
     result.full_search = true;
   }
   since_full_search_ = result.full_search ? 0 : since_full_search_ + 1;

@@ -21,9 +21,9 @@ constexpr double kSmallestContrast = 8.0;  // [grey levels] between light and da
 constexpr double kLargestResidual = 0.15;  // rms, of the contrast: more is not one edge
 constexpr double kDark = 0.1;  // share of the samples that are darker than what is taken for dark, to begin with
 constexpr int kSteps = 12, kPasses = 3;
-constexpr double kLargestMove = 1.5, kSmallMove = 0.4;  // of a corner in one pass, in half bands
+constexpr double kLargestMove = 1.5, kSmallMove = 0.6;  // of a corner in one pass, in half bands
 constexpr double kDone = 1e-3;                          // [px]
-constexpr double kSamples = 1200.0;    // of a side are enough; a longer side gives every second, third ... pixel
+constexpr double kSamples = 2400.0;    // of a side are enough; a longer side gives every third, fifth ... pixel
 constexpr double kSmallestBlur = 0.1;  // [px] that is told of a lens
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
@@ -83,7 +83,8 @@ bool collect(const cv::Mat& grey, const Side& side, double band, Samples& sample
   const double margin = band + std::abs(side.offset[2]) + 1.0, most = band + side.offset.cwiseAbs().sum();
   const int y0 = static_cast<int>(std::floor(std::min(a.y(), b.y()) - margin));
   const int y1 = static_cast<int>(std::ceil(std::max(a.y(), b.y()) + margin));
-  const int stride = static_cast<int>(4.0 * side.half * band / kSamples) + 1;
+  // Odd: an even one would take the same columns of every row.
+  const int stride = static_cast<int>(4.0 * side.half * band / kSamples) | 1;
   int number = 0;
   for (int y = y0; y <= y1; ++y) {
     double first = side.middle.x() - side.half - margin, last = side.middle.x() + side.half + margin;

@@ -36,7 +36,8 @@ void refineCorners(const cv::Mat& grey, int window, MarkerCorners& marker) {
 
 /// One marker per id. Two outlines of the same print (its inner and outer contour) overlap: the larger one is the
 /// marker's.
-std::vector<MarkerCorners> uniqueMarkers(const std::vector<MarkerCorners>& found) {
+std::vector<MarkerCorners> uniqueMarkers(const std::vector<MarkerCorners>& found,
+                                         std::set<int>* doubtful_ids = nullptr) {
   std::map<int, MarkerCorners> best;
   std::map<int, bool> doubtful;
   for (const MarkerCorners& marker : found) {
@@ -49,7 +50,10 @@ std::vector<MarkerCorners> uniqueMarkers(const std::vector<MarkerCorners>& found
   }
   std::vector<MarkerCorners> unique;
   for (const auto& [id, marker] : best) {
-    if (!doubtful.count(id)) unique.push_back(marker);
+    if (!doubtful.count(id))
+      unique.push_back(marker);
+    else if (doubtful_ids)
+      doubtful_ids->insert(id);
   }
   return unique;
 }
@@ -180,12 +184,12 @@ MarkerDetector::MarkerDetector(const std::string& dictionary, const DetectorPara
 MarkerDetector::~MarkerDetector() = default;
 MarkerDetector::MarkerDetector(MarkerDetector&&) noexcept = default;
 
-std::vector<MarkerCorners> MarkerDetector::detect(const cv::Mat& grey) const {
+std::vector<MarkerCorners> MarkerDetector::detect(const cv::Mat& grey, std::set<int>* doubtful) const {
   checkPicture(grey);
   const bool own = implementation_->parameters.search == "own";
   const cv::Rect all(0, 0, grey.cols, grey.rows);
-  std::vector<MarkerCorners> unique =
-      uniqueMarkers(own ? implementation_->byOwnSearch(PictureLevels(grey), all) : implementation_->byOpenCv(grey));
+  std::vector<MarkerCorners> unique = uniqueMarkers(
+      own ? implementation_->byOwnSearch(PictureLevels(grey), all) : implementation_->byOpenCv(grey), doubtful);
   for (MarkerCorners& marker : unique) implementation_->refine(grey, marker);
   return unique;
 }

@@ -9,14 +9,17 @@
 namespace seater_perception {
 namespace {
 
-constexpr std::size_t kCandidates = 3;   // codes that are fitted
-constexpr double kClearlyBetter = 0.12;  // of correlation: a code so much less likely than the best is not
-constexpr double kWorthFitting = 0.5;    // correlation before the fit
+constexpr std::size_t kCandidates = 6;  // codes that are fitted
+constexpr double kClearlyBetter = 0.2;  // of correlation: a code so much less likely than the best is not
+constexpr double kWorthFitting = 0.5;   // correlation before the fit
 // What true markers and pictures without markers reach: docs/perception.md.
-constexpr double kSmallestMargin = 0.045;                 // of correlation, over the next best code
-constexpr double kLargestBitError = 0.9;                  // of what turns a bit round
-constexpr double kHopeless = 0.2;                         // part explained after some steps
-constexpr double kGridStep = 0.5, kMostGridSteps = 10.0;  // [cells] and number: search for a code alone
+constexpr double kSmallestMargin = 0.045;  // of correlation, over the next best code
+constexpr double kLargestBitError = 0.9;   // of what turns a bit round
+constexpr double kCostOfCovered = 0.25;    // of evidence, for each sample left out: what is chosen proves less
+constexpr double kDarkestQuiet = -0.7, kLightestQuiet = 0.5;  // of the contrast, over the print's white
+constexpr double kPerhapsMoving = 0.5;                        // part explained without motion
+constexpr double kHopeless = 0.2;                             // part explained after some steps
+constexpr double kGridStep = 0.5, kMostGridSteps = 10.0;      // [cells] and number: search for a code alone
 
 /// The print's corners of a quadrilateral whose first corner is the print's corner `turn`.
 Quad printed(const Quad& quad, int turn) {
@@ -35,6 +38,7 @@ struct PatternReader::Implementation {
 
   std::optional<PatternReading> judge(double min_evidence, const Alignment& a) const;
   std::optional<PatternReading> settle(const PictureLevels& picture, double min_evidence, Alignment& a) const;
+  std::optional<PatternReading> moving(const PictureLevels& picture, double min_evidence, const Alignment& still) const;
 };
 
 /// Code, margin and bits of an aligned pattern.
@@ -44,10 +48,11 @@ std::optional<PatternReading> PatternReader::Implementation::judge(double min_ev
   reading.corners = a.quad;
   reading.correlation = std::sqrt(std::max(0.0, a.fit.explained));
   if (!aligner.hasBorder(a.samples)) return std::nullopt;
+  if (a.fit.quiet < kDarkestQuiet * a.fit.gain || a.fit.quiet > kLightestQuiet * a.fit.gain) return std::nullopt;
   reading.worst_bit = aligner.worstBit(a);
   if (!(reading.worst_bit < kLargestBitError)) return std::nullopt;
   const double unexplained = 1.0 - reading.correlation * reading.correlation;
-  reading.evidence = -std::log(std::max(1e-9, unexplained * reading.worst_bit));
+  reading.evidence = -std::log(std::max(1e-9, unexplained * reading.worst_bit)) - kCostOfCovered * a.covered();
   if (reading.evidence < min_evidence) return std::nullopt;
   const auto likely = book.compare(a.samples, a.blur, 2);
   if (likely.empty() || likely[0].id != a.id || likely[0].turn != 0) return std::nullopt;
@@ -62,6 +67,14 @@ std::optional<PatternReading> PatternReader::Implementation::settle(const Pictur
   const auto reading = judge(min_evidence, a);
   if (reading || !aligner.leaveOutCovered(a)) return reading;
   return aligner.align(picture, a) ? judge(min_evidence, a) : std::nullopt;
+}
+
+/// What looks like the code, but not sharp enough: perhaps the picture moved.
+std::optional<PatternReading> PatternReader::Implementation::moving(const PictureLevels& picture, double min_evidence,
+                                                                    const Alignment& still) const {
+  if (still.fit.explained < kPerhapsMoving) return std::nullopt;
+  Alignment a = still;
+  return aligner.alignMoving(picture, a) ? judge(min_evidence, a) : std::nullopt;
 }
 
 PatternReader::PatternReader(const std::string& dictionary, const std::set<int>& ids)
@@ -101,6 +114,7 @@ std::optional<PatternReading> PatternReader::follow(int id, const PictureLevels&
   a.quad = corners;
   if (self.aligner.align(picture, a)) {
     if (const auto reading = self.settle(picture, min_evidence, a)) return reading;
+    if (const auto reading = self.moving(picture, min_evidence, a)) return reading;
   }
   if (!(reach > 0.0)) return std::nullopt;
   const double step = std::max(1.0, kGridStep * meanSide(corners) / self.book.grid().cells());
@@ -120,7 +134,8 @@ std::optional<PatternReading> PatternReader::follow(int id, const PictureLevels&
     }
   }
   if (best.fit.explained < kHopeless || !self.aligner.align(picture, best)) return std::nullopt;
-  return self.settle(picture, min_evidence, best);
+  if (const auto reading = self.settle(picture, min_evidence, best)) return reading;
+  return self.moving(picture, min_evidence, best);
 }
 
 }  // namespace seater_perception

@@ -13,6 +13,7 @@ namespace seater_perception {
 namespace {
 
 constexpr double kFineMargin = 0.25;  // [px] the approach ends nearer than this
+constexpr double kNoEnd = 1e6;        // [grey levels] of a sensor that does not clip
 constexpr int kSparse = 1000;         // pixels of an approach
 constexpr int kRounds = 4;            // of collecting pixels: the approach, then again while a marker leaves its band
 
@@ -140,18 +141,36 @@ struct PhotometricRefiner::Workspace {
   std::vector<SeedFit> fitAll(const PhotometricParameters& parameters, const cv::Mat& grey, const CameraModel& camera,
                               const Placements& placements, const std::vector<Eigen::Isometry3d>& seeds,
                               double known_blur);
+  std::vector<SeedFit> fitClipped(const PhotometricParameters& parameters, const cv::Mat& grey,
+                                  const CameraModel& camera, const Placements& placements,
+                                  const std::vector<Eigen::Isometry3d>& seeds, double known_blur,
+                                  const ClipRange& range);
 };
 
-/// All seeds on the same pixels.
+/// A drawn picture may have no grey level between black and white, both at the sensor's ends. To say that all of it is
+/// clipped explains it best, and tells nothing of the pose: then without clipping.
 std::vector<SeedFit> PhotometricRefiner::Workspace::fitAll(const PhotometricParameters& parameters, const cv::Mat& grey,
                                                            const CameraModel& camera, const Placements& placements,
                                                            const std::vector<Eigen::Isometry3d>& seeds,
                                                            double known_blur) {
   requirePicture(grey, camera);
+  const double limit = parameters.saturation > 0.0 ? parameters.saturation : grey.depth() == CV_16U ? 65535.0 : 255.0;
+  auto fits = fitClipped(parameters, grey, camera, placements, seeds, known_blur, {0.0, limit});
+  const bool blind = std::any_of(fits.begin(), fits.end(), [](const SeedFit& fit) { return fit.failed && fit.blind; });
+  const bool none = std::all_of(fits.begin(), fits.end(), [](const SeedFit& fit) { return fit.failed; });
+  if (blind && none) fits = fitClipped(parameters, grey, camera, placements, seeds, known_blur, {-kNoEnd, kNoEnd});
+  return fits;
+}
+
+/// All seeds on the same pixels.
+std::vector<SeedFit> PhotometricRefiner::Workspace::fitClipped(const PhotometricParameters& parameters,
+                                                               const cv::Mat& grey, const CameraModel& camera,
+                                                               const Placements& placements,
+                                                               const std::vector<Eigen::Isometry3d>& seeds,
+                                                               double known_blur, const ClipRange& range) {
   const bool near = known_blur > 0.0;
   const double sd = near && parameters.blur != "given" ? known_blur : parameters.blur_sd;
-  const double limit = parameters.saturation > 0.0 ? parameters.saturation : grey.depth() == CV_16U ? 65535.0 : 255.0;
-  std::vector<SeedFit> fits(seeds.size(), SeedFit(parameters, {0.0, limit}));
+  std::vector<SeedFit> fits(seeds.size(), SeedFit(parameters, range));
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     fits[i].state.pose = seeds[i];
     fits[i].state.blur = {sd * sd, 0.0, sd * sd};

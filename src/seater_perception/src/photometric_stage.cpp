@@ -151,8 +151,8 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
   const double blur = marker.image.edges_fitted ? marker.image.blur_sd : 0.0;
   const double full_scale = grey.depth() == CV_16U ? 65535.0 : 255.0;
   double misfit = 0.0;
-  const auto fit = [&](double known_blur) {
-    auto branches = refiner.refineBranches(grey, camera, placement, seeds, known_blur);
+  const auto fit = [&](const PhotometricRefiner& by, double known_blur) {
+    auto branches = by.refineBranches(grey, camera, placement, seeds, known_blur);
     double best = std::numeric_limits<double>::infinity();
     for (auto& b : branches) {
       b.result.converged = b.result.converged && plausible(b.result, marker.image.side(), pattern.cells(), full_scale);
@@ -162,8 +162,14 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
     }
     return distinct(branches, explained);
   };
-  auto hypotheses = fit(blur);
-  if (hypotheses.empty() && blur > 0.0) hypotheses = fit(0.0);
+  auto hypotheses = fit(refiner, blur);
+  if (hypotheses.empty() && blur > 0.0) hypotheses = fit(refiner, 0.0);
+  if (hypotheses.empty() && marker.image.side() > kLargeSide) {
+    // The quiet zone may be darker than the print's white (cut close and pasted on a wall): the print alone, then.
+    PhotometricParameters print_only = refiner.parameters();
+    print_only.quiet_zone = 0.0;
+    hypotheses = fit(PhotometricRefiner(print_only), blur);
+  }
   if (hypotheses.empty()) return false;
   Correspondences seen;
   for (std::size_t i = 0; i < 4; ++i) {

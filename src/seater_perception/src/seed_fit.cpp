@@ -22,6 +22,7 @@ constexpr double kUnknownNoise = 10.0;  // [grey levels] scale of the first step
 constexpr double kWildScale = 1e4;      // of the first look, when nothing is known of the residuals
 constexpr int kFewPixels = 600;         // no first look for so few
 constexpr double kHopeless = 7.5;       // of the loss in the first look, over the noise's variance
+constexpr double kSeen = 0.5;           // of the pixels: fewer tell that clipping explains the picture
 constexpr double kClippedEnd = 0.004;   // of the range: what counts as its end
 constexpr double kSame = 0.25;          // squared distance of two fits' poses, in standard deviations of the first look
 
@@ -29,6 +30,7 @@ constexpr double kSame = 0.25;          // squared distance of two fits' poses, 
 
 bool SeedFit::descend(PhotometricProblem& problem, RobustLoss loss, double tukey, double done, double part,
                       bool adapt) {
+  problem.limitBlur(state.blur);
   if (!problem.evaluate(state, weighing(loss, tukey), part)) return false;
   ++result.iterations;
   double damping = 0.0;
@@ -147,6 +149,7 @@ void SeedFit::judge(const PhotometricProblem& problem) {
   const LossSums sums = problem.loss(own);
   result.pixels = static_cast<int>(sums.all);
   const double freedom = sums.inliers - problem.unknowns();
+  blind = sums.all < kSeen * problem.pixels();
   if (!(freedom > kFewestEdgePixels)) return fail("too few inliers");
   result.inlier_share = sums.inliers / sums.all;
   result.rms = std::sqrt(sums.squares / sums.all);

@@ -443,6 +443,27 @@ TEST(Photometric, ResidualsTellTheBranches) {
   EXPECT_NEAR(branches[0].weight + branches[1].weight, 1.0, 1e-9);
 }
 
+// Edges along the pixels' borders, without blur and noise, black and white at the sensor's ends: as people draw them.
+TEST(Photometric, DrawnPicturesAreFitted) {
+  const double z = 640.0 * 0.1 / 126.0;
+  View view;
+  view.camera.K = {640.0, 0.0, 639.5, 0.0, 640.0, 359.5, 0.0, 0.0, 1.0};
+  view.camera.D.assign(5, 0.0);
+  view.pose.linear() = Vector3d(1.0, -1.0, -1.0).asDiagonal();
+  view.pose.translation() = Vector3d((562.5 - 639.5) * z / 640.0, (362.5 - 359.5) * z / 640.0, z);
+  view.prints = {{0, 0.1, view.pose}};
+  for (const auto& [black, white] : {std::pair(0, 255), std::pair(40, 215), std::pair(0, 200)}) {
+    cv::Mat picture(view.camera.height, view.camera.width, CV_8U, cv::Scalar(white)), print;
+    cv::aruco::drawMarker(cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50), 0, 126, print, 1);
+    print.convertTo(print, CV_8U, (white - black) / 255.0, black);
+    print.copyTo(picture(cv::Rect(500, 300, 126, 126)));
+    std::mt19937 random(3);
+    const auto result = refine(view, picture, photo_scene::seedNear(view, random, 0.2, 0.003, 0.01));
+    ASSERT_TRUE(result.converged) << result.failure << ", " << black << " to " << white;
+    EXPECT_LT(pixelError(view, result.pose), 0.1) << black << " to " << white;  // measured: 0.06; nothing tells more
+  }
+}
+
 TEST(Photometric, BadPicturesGiveNoPoseAndNothingNotFinite) {
   const View view = photo_scene::single(0.1, 1.0, 0.3);
   const auto check = [&](const cv::Mat& grey, const Isometry3d& seed, const char* what) {

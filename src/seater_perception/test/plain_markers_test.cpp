@@ -10,12 +10,12 @@ using namespace seater_perception;
 namespace {
 
 /// Frontal, its sides along the pixels, drawn on the pixel grid: `side` whole pixels at (x, y).
-cv::Mat onThePixelGrid(int id, int side, int x, int y, double blur) {
-  cv::Mat picture(720, 1280, CV_8U, cv::Scalar(215)), print;
+cv::Mat onThePixelGrid(int id, int side, int x, int y, double blur, int black = 40, int white = 215, int wall = 215) {
+  cv::Mat picture(720, 1280, CV_8U, cv::Scalar(wall)), print;
   cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50)->drawMarker(id, side, print);
   for (int row = 0; row < side; ++row) {
     for (int column = 0; column < side; ++column)
-      picture.at<uchar>(y + row, x + column) = print.at<uchar>(row, column) > 127 ? 215 : 40;
+      picture.at<uchar>(y + row, x + column) = print.at<uchar>(row, column) > 127 ? white : black;
   }
   if (blur > 0.0) cv::GaussianBlur(picture, picture, cv::Size(), blur);
   return picture;
@@ -99,6 +99,25 @@ TEST(PlainMarkers, turnedAndTiltedAreFound) {
           for (std::size_t i = 0; i < 4; ++i)
             EXPECT_LT((result.markers[0].image.corners[i] - truth[i]).norm(), 0.25) << what();
         }
+      }
+    }
+  }
+}
+
+// Drawn pictures are what people try first: without blur, black and white at the sensor's limits, and pasted on a grey
+// that is darker than the print's white, as a print is whose margin was cut off.
+TEST(PlainMarkers, aQuietZoneNeedNotBeAsWhiteAsThePrint) {
+  const MarkerDetector detector("DICT_4X4_50", DetectorParameters());
+  const int levels[][3] = {{0, 255, 200},  {0, 200, 200},  {40, 240, 230}, {0, 255, 255}, {40, 255, 200},
+                           {40, 240, 160}, {40, 240, 200}, {0, 250, 200},  {40, 200, 215}};
+  for (const auto& [black, white, wall] : levels) {
+    for (const double blur : {0.0, 0.8}) {
+      for (const int side : {24, 60, 200}) {
+        const auto found = detector.detect(onThePixelGrid(7, side, 500, 300, blur, black, white, wall));
+        ASSERT_EQ(found.size(), 1u) << black << " " << white << " " << wall << ", blur " << blur << ", " << side
+                                    << " px";
+        EXPECT_EQ(found[0].id, 7);
+        EXPECT_LT((found[0].corners[0] - Eigen::Vector2d(499.5, 299.5)).norm(), 0.03 * side);
       }
     }
   }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <cstdio>
 
 #include "scene.h"
 
@@ -104,6 +105,39 @@ TEST(Covariance, ofTheDockIsWhatMonteCarloSays) {
     }
     // Marker 0 is small and seen at 20 degrees: there the linear formula is less exact than for the bundle.
     sample.expectConsistent(selection == "bundle" ? 0.1 : 0.15);
+  }
+}
+
+// Prints hang 1 mm beside their places along each axis (standard deviation): the dock's covariance has to say so.
+TEST(Covariance, ofTheDockKnowsThatPrintsAreDisplaced) {
+  const Calibration c = scene::calibration();
+  const CameraModel camera = CameraModel::raw(c);
+  const DockLayout layout = scene::defaultDock();
+  const Eigen::Isometry3d T_optical_dock = scene::dockSeenFrom(-0.4, 0.25, -0.35);
+  PoseParameters parameters;
+  parameters.corner_sigma = kSigma;
+  for (const std::string selection : {"lowest_id", "bundle"}) {
+    std::mt19937 random(4);
+    std::normal_distribution<double> displacement(0.0, 0.001);
+    double without = 0.0, with = 0.0;
+    const int draws = 200;
+    for (int i = 0; i < draws; ++i) {
+      std::vector<DetectedMarker> markers;
+      for (auto print : scene::defaultPrints(T_optical_dock)) {
+        for (int k = 0; k < 3; ++k) print.T_optical_marker.translation()[k] += displacement(random);
+        markers.push_back(*estimateMarker(camera, seen(c, print, random), print.size, upright(), parameters));
+      }
+      auto dock = estimateDock(camera, markers, layout, selection, *upright().up, parameters);
+      ASSERT_FALSE(dock.empty());
+      const Eigen::Matrix<double, 6, 1> e = errorOf(dock[0].pose, T_optical_dock);
+      without += e.dot(dock[0].covariance.ldlt().solve(e)) / draws;
+      addPlacementError(camera, layout, 0.001, dock);
+      with += e.dot(dock[0].covariance.ldlt().solve(e)) / draws;
+    }
+    std::printf("  %s: normalised error squared %.1f, with the places' error %.1f\n", selection.c_str(), without, with);
+    // 6 is right, +- 0.25 by chance; the bundle's covariance has been inflated by its residual as well.
+    EXPECT_LT(with, 7.5);
+    EXPECT_GT(without, 1.5 * with);
   }
 }
 

@@ -131,7 +131,7 @@ TEST(TrackerCases, followsAChangeOfSizeAndATurn) {
 }
 
 TEST(TrackerCases, keepsAMarkerThroughMotionBlur) {
-  for (const double side : {64.0, 120.0}) {
+  for (const double side : {20.0, 30.0, 64.0, 120.0}) {
     for (const double path : {4.0, 8.0}) {
       DockTracker tracker = makeTracker();
       double x = -0.1;
@@ -145,4 +145,42 @@ TEST(TrackerCases, keepsAMarkerThroughMotionBlur) {
       }
     }
   }
+}
+
+// Dimmer than what the full search takes for proved.
+TEST(TrackerCases, keepsADimMarkerThatTheSearchDoesNotFind) {
+  scene::Look dim;
+  dim.blur = 1.3;
+  dim.noise = 3.0;
+  dim.black = 100.0, dim.white = 140.0, dim.wall = 130.0;
+  DockTracker tracker = makeTracker();
+  const scene::Print print = at(0, 0.0, 3.6, 0.0);
+  ASSERT_EQ(idsIn(tracker.detect(drawn({print}, 1))), std::vector<int>{0});
+  int kept = 0, searched = 0;
+  for (unsigned k = 2; k < 22; ++k) {
+    const cv::Mat picture = drawn({print}, k, dim);
+    const auto result = tracker.detect(picture);
+    kept += !result.full_search && idsIn(result) == std::vector<int>{0};
+    searched += tracker.detector().detect(picture).markers.size() == 1;
+    tracker.detect(drawn({print}, 100 + k));  // so that each picture is judged for itself
+  }
+  std::printf("  contrast 40, 18 px: kept in %d of 20 pictures, found by the search in %d\n", kept, searched);
+  EXPECT_GE(kept, 18);
+  EXPECT_LT(searched, kept);
+}
+
+// A decoy that was seen first must not stay because the track would follow it.
+TEST(TrackerCases, anIdAtTwoPlacesIsForgotten) {
+  DockTracker tracker = makeTracker(4);
+  const scene::Print first = at(0, -0.2, 1.2), second = at(0, 0.3, 1.2);
+  for (unsigned k = 0; k < 2; ++k) ASSERT_EQ(idsIn(tracker.detect(drawn({first}, k))), std::vector<int>{0});
+  bool searched = false;
+  for (unsigned k = 2; k < 14; ++k) {
+    const auto result = tracker.detect(drawn({first, second}, k));
+    searched |= result.full_search;
+    EXPECT_TRUE(!searched || result.markers.empty()) << k;
+  }
+  EXPECT_TRUE(searched);
+  for (unsigned k = 14; k < 19; ++k) searched = !tracker.detect(drawn({second}, k)).markers.empty();
+  EXPECT_TRUE(searched) << "alone again, it is believed again";
 }

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "seater_perception/dock_detector.h"
@@ -10,8 +11,9 @@ namespace seater_perception {
 
 /// A DockDetector with a memory: after the first find, markers are looked for only near their predicted places. The
 /// whole picture is searched when nothing is known, when all have been lost, and at every `full_search_every`-th
-/// picture. Each picture has to show the code again: what is not seen is not reported. Results depend on the pictures
-/// and their order alone, never on time. Not thread-safe; use one per thread.
+/// picture. Each picture has to show the code again: what is not seen is not reported. An id
+/// that stands at two places is left out until a search of the whole picture shows it at one. Results depend on the
+/// pictures and their order alone, never on time. Not thread-safe; use one per thread.
 class DockTracker {
  public:
   /// As DockDetector. Throws ConfigurationError.
@@ -39,6 +41,7 @@ class DockTracker {
   TrackingParameters parameters_;
   DetectionResult last_;
   std::map<int, Corners> before_;  // of the picture before the last one
+  std::set<int> doubtful_;         // seen at two places by the last search of the whole picture
   int since_full_search_ = 0;
 };
 

@@ -51,8 +51,8 @@ class MarkerDetector {
   MarkerDetector(MarkerDetector&&) noexcept;
 
   /// Markers in ascending id. An id that stands at two places of the picture is left out: nothing tells which one is
-  /// meant. `grey` is CV_8UC1. Throws PictureError.
-  std::vector<MarkerCorners> detect(const cv::Mat& grey) const;
+  /// meant; `doubtful` gathers such ids. `grey` is CV_8UC1. Throws PictureError.
+  std::vector<MarkerCorners> detect(const cv::Mat& grey, std::set<int>* doubtful = nullptr) const;
 
   /// Markers near the places where they are expected, in their order: first where they are expected, then up to `reach`
   /// away, by their code, then (`by_outline`) by their outline there. The correlation has to be at least

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "seater_perception/picture_levels.h"
 #include "seater_perception/template_book.h"
 
@@ -13,8 +15,11 @@ struct Alignment {
   Quad quad;  ///< in the print's order [px]
   PictureLevels::Samples samples;
   PatternTemplate::Fit fit;
-  Eigen::VectorXf free;  ///< 0 where something covers the print; empty: nothing does
+  std::shared_ptr<const PatternTemplate> moving;  ///< instead of the book's: blurred by a motion of the picture
+  Eigen::VectorXf free;                           ///< 0 where something covers the print; empty: nothing does
 
+  /// Number of samples that are left out.
+  double covered() const { return free.size() == 0 ? 0.0 : static_cast<double>(free.size()) - free.sum(); }
   const Eigen::VectorXf* weights() const { return samples.all() && free.size() == 0 ? nullptr : &samples.weights; }
 };
 
@@ -29,15 +34,17 @@ class PatternAligner {
   bool hasBorder(const PictureLevels::Samples& samples) const;
   /// From corners within about a third of a cell. False, and `a` of no use, when it is not there.
   bool align(const PictureLevels& picture, Alignment& a) const;
+  /// The same for a picture that moved by up to about 8 px during its exposure, in whatever direction.
+  bool alignMoving(const PictureLevels& picture, Alignment& a) const;
   /// Largest deviation of a cell's mean, of what would turn its bit round: above 1, a bit contradicts.
   double worstBit(const Alignment& a) const;
   /// Marks samples of border and quiet zone that deviate; false when nothing or too much does, or the marker is small.
   bool leaveOutCovered(Alignment& a) const;
 
  private:
+  const PatternTemplate& templateOf(const Alignment& a) const;
   bool descend(const PictureLevels& picture, Alignment& a) const;
   bool chooseBlur(Alignment& a) const;
-  double residual(const Alignment& a, const Eigen::VectorXf& values, int row, int column) const;
 
   const TemplateBook& book_;
 };

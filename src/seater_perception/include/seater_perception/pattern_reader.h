@@ -22,6 +22,7 @@ struct PatternReading {
   double margin = 0.0;       ///< of correlation over the next best code or orientation
   double worst_bit = 0.0;    ///< largest deviation of a cell, of what would turn its bit round: below 1
   /// -log((1 - correlation^2) worst_bit): both together. What only resembles a marker has one of them at most.
+  /// Each sample left out as covered counts 0.25 against it.
   double evidence = 0.0;
 };
 

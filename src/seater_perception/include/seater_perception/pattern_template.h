@@ -29,19 +29,26 @@ class PatternGrid {
 };
 
 /// A pattern as a camera of a given blur sees it at the points of the grid, and how that changes when its corners move.
-/// The picture's samples are fitted linearly: offset, two slopes of the light, gain, and gain times eight motions of
-/// the plane (as S. Baker and I. Matthews, "Lucas-Kanade 20 years on", IJCV 2004, inverse compositional).
+/// The picture's samples are fitted linearly: offset, two slopes of the light, gain, what the quiet zone is lighter
+/// than the print's white (negative: dirt, a print cut close on a grey wall), and gain times eight motions of the plane
+/// (as S. Baker and I. Matthews, "Lucas-Kanade 20 years on", IJCV 2004, inverse compositional).
 class PatternTemplate {
  public:
-  static constexpr int kColumns = 12, kGain = 3;
+  static constexpr int kColumns = 13, kGain = 3, kQuiet = 4;
   using Columns = Eigen::Matrix<float, Eigen::Dynamic, kColumns>;
   using Triangle = Eigen::Matrix<double, kColumns, kColumns>;
 
   /// `blur`: standard deviation [cells].
   PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, double blur);
+  /// `blur`: covariance [cells^2], x right, y down: of a picture that moved during its exposure.
+  PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, const Eigen::Matrix2d& blur);
+
+  /// Share of a cell's own brightness that remains in its four points: what its bit changes there.
+  double ownShare() const { return own_share_; }
 
   struct Fit {
     double gain = 0.0;              ///< [grey levels] of white over black
+    double quiet = 0.0;             ///< [grey levels] of the quiet zone over the print's white
     double explained = 0.0;         ///< part of the variance, the light's slopes aside, that the pattern explains
     std::array<double, 3> light{};  ///< offset and slopes along x, y [grey levels]
     Eigen::Matrix<double, 8, 1> motion = Eigen::Matrix<double, 8, 1>::Zero();
@@ -55,9 +62,12 @@ class PatternTemplate {
   static Eigen::Vector2d moved(const Eigen::Matrix<double, 8, 1>& motion, const Eigen::Vector2d& point);
 
   Eigen::VectorXf values() const { return columns_.col(kGain); }
+  /// Grey levels that a fit gives at the points of the grid.
+  Eigen::VectorXf grey(const Fit& fit) const;
 
  private:
   Columns columns_;
+  double own_share_ = 0.0;
   Triangle all_;  // Cholesky factor of columns' * columns
 };
 

@@ -27,6 +27,8 @@ class PhotometricProblem {
   void set(const CameraModel& camera, const std::vector<PatternPlacement>& placements,
            const std::vector<MarkerSamples>& samples, Blur blur, bool slopes);
 
+  /// Brings a blur back to where the model holds for these pixels; true when it was not there.
+  bool limitBlur(SpreadCovariance& blur) const;
   /// Offset and gain from the darkest and the lightest quarter of the pattern.
   void startBrightness(PhotometricState& state);
 
@@ -77,7 +79,6 @@ class PhotometricProblem {
   double share(const Is& is) const;
   bool view(std::size_t m, const PhotometricState& state, MarkerView& view) const;
   SpreadCovariance blurAfter(SpreadCovariance blur, const SharedVector& change) const;
-  bool limitBlur(SpreadCovariance& blur) const;
   Shared reduced(double damping, SharedVector& right) const;
   Own brightnessInformation(std::size_t m, double damping) const;
 

@@ -22,6 +22,7 @@ class TemplateBook {
   TemplateBook(const std::string& dictionary, const std::set<int>& ids);
 
   const PatternGrid& grid() const { return grid_; }
+  const MarkerPattern& pattern(int id) const { return patterns_.at(id); }
   bool has(int id) const { return patterns_.count(id) > 0; }
   const PatternTemplate& of(int id, int blur) const;
 
