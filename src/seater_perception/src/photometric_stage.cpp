@@ -20,9 +20,10 @@ constexpr double kBeyondScale = 0.15, kLargestBlur = 0.95;  // of the range of g
 // Residuals at edges over those of flat pixels, and distance from the fitted edges' corners over its standard
 // deviation: from here on, the print is not what the model says.
 constexpr double kMisfit = 1.8, kContradiction = 1.0;
-constexpr double kCoarseCorners = 0.25;  // cells
-constexpr double kClipped = 0.05;        // share of the pixels
-constexpr double kLargestGap = 0.3;      // [px] rms, between a marker's own corners and those of the joint pose
+constexpr double kCoarseCorners = 0.25;   // cells
+constexpr double kBlurredCorners = 0.25;  // standard deviations of the blur
+constexpr double kClipped = 0.05;         // share of the pixels
+constexpr double kLargestGap = 0.3;       // [px] rms, between a marker's own corners and those of the joint pose
 
 /// Seeds that the corners cannot tell apart.
 std::vector<Eigen::Isometry3d> openSeeds(const DetectedMarker& marker) {
@@ -177,8 +178,9 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
   }
   addModelError(camera, seen, parameters.model_sigma, hypotheses);
   for (auto& h : hypotheses) h.error = reprojectionError(camera, seen, h.pose);
-  // Corners that no edge confirms may be some tenths of a cell off.
-  const double coarse = marker.image.edges_fitted ? 0.0 : kCoarseCorners * marker.image.side() / pattern.cells();
+  // Corners that no edge confirms may be some tenths of a cell off, those of blurred edges some tenths of the blur.
+  const double coarse = marker.image.edges_fitted ? kBlurredCorners * marker.image.blur_sd
+                                                  : kCoarseCorners * marker.image.side() / pattern.cells();
   const double limit = largestError(marker.image.side(), parameters) + coarse;
   const auto unbelievable = [&](const PoseHypothesis& h) { return !meaningful(h) || h.error > limit; };
   hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), unbelievable), hypotheses.end());
@@ -188,7 +190,7 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
   const double contradiction = kContradiction * parameters.corner_sigma;
   if (marker.image.edges_fitted && misfit > kMisfit && hypotheses.front().error > contradiction) return true;
   marker.hypotheses = hypotheses;
-  if (!marker.image.edges_fitted) placeCorners(camera, hypotheses.front(), parameters.corner_sigma, marker);
+  placeCorners(camera, hypotheses.front(), parameters.corner_sigma, marker);
   marker.ambiguity = 0.0;
   if (hypotheses.size() > 1) {
     marker.ambiguity = std::exp(std::min(5.0, 0.5 * (hypotheses[0].chi_squared - hypotheses[1].chi_squared)));
