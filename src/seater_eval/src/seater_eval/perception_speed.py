@@ -64,11 +64,6 @@ def pictures_of(camera: DegradedCamera, markers: int, dictionary: str, size: flo
     ]
 
 
-def methods_available() -> list[str]:
-    """Without those that the library at hand cannot do."""
-    return [name for name in METHODS if name != TRACKING or subject.has_tracker()]
-
-
 class Timed:
     """A detector in this process, with the processor time it took."""
 
@@ -153,7 +148,7 @@ def run_speed(config: str | Path, quick: bool) -> dict[str, Any]:
     cv2.setNumThreads(1)
     config = str(config)
     camera = load_degraded_camera(Path(config) / "cameras" / "degraded.yaml")
-    names = methods_available()
+    names = list(METHODS)
     if quick:
         names = [name for name in names if name != SLOWEST]
     resolutions, counts, repeats = ((BAR_RESOLUTION,), QUICK_MARKERS, 12) if quick else (RESOLUTIONS, MARKERS, 40)
@@ -172,7 +167,6 @@ def run_speed(config: str | Path, quick: bool) -> dict[str, Any]:
             "cores": os.cpu_count(),
             "load_average": os.getloadavg(),
         },
-        "missing": [name for name in METHODS if name not in methods_available()],
         "rows": rows,
     }
 
@@ -212,9 +206,8 @@ def describe_speed(data: dict[str, Any]) -> str:
         ]
         shown = [f"{r['cpu_ms']['median']:.1f} ({r['found']:.0f})" for r in cells]
         rows.append([f"{width} x {height}, {markers} markers", *shown])
-    missing = "".join(f"\n  {name}: not available in this library." for name in data["missing"])
     head = ["picture", *(name.replace("_", " ") for name in names)]
-    return text_table(head, rows) + "\n  Median processor time in ms (markers found)." + missing
+    return text_table(head, rows) + "\n  Median processor time in ms (markers found)."
 
 
 def draw_speed(data: dict[str, Any], path: Path) -> Path:

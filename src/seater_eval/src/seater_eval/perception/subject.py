@@ -65,11 +65,6 @@ def make_detector(
         raise ParameterError(str(error)) from error
 
 
-def has_tracker() -> bool:
-    """Whether the library can follow markers from picture to picture."""
-    return hasattr(sp, "DockTracker")
-
-
 def library_files() -> list[Path]:
     """The files of the library and its Python module as they are loaded in this process."""
     maps = Path("/proc/self/maps").read_text().splitlines()
