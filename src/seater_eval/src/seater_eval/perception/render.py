@@ -14,6 +14,7 @@ from functools import lru_cache
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_array
 
 from seater_eval.perception.degraded_camera import DegradedCamera
 
@@ -58,9 +59,10 @@ def box_of(print_: Print, camera: DegradedCamera, cells_around: float, pixels_ar
 
 
 def samples_for(print_: Print, camera: DegradedCamera) -> int:
-    """Samples across a pixel: many for small prints, which need them and cost little."""
+    """Samples across a pixel. Too few displace edges: with 5 the estimate of a print of 183 px would be off by 1.5 standard
+    deviations of what noise does to it, with 12 by half of one."""
     side = camera.focal_length * print_.size / max(float(print_.pose[2, 3]), 1e-6)
-    return 12 if side < 60.0 else 8 if side < 130.0 else 5 if side < 300.0 else 4 if side < 600.0 else 2
+    return 12 if side < 300.0 else 4 if side < 600.0 else 2
 
 
 def reflectance(
@@ -161,12 +163,26 @@ def white_share(
     fine = reflectance(print_, camera.K, box, S, paper, outside, border, shift)
     if np.any(path):
         fine = cv2.filter2D(fine, -1, _line_kernel(np.multiply(path, float(S))), borderType=cv2.BORDER_REPLICATE)
-    if camera.blur_sd > 0.0:
-        size = 2 * math.ceil(5.0 * camera.blur_sd * S) + 1
-        fine = cv2.GaussianBlur(fine, (size, size), camera.blur_sd * S, borderType=cv2.BORDER_REPLICATE)
-    h, w = fine.shape
-    mean = fine.reshape(h // S, S, w // S, S).mean(axis=(1, 3), dtype=np.float64)
+    across, down = (_blur_and_area(n, camera.blur_sd, S) for n in (fine.shape[1] // S, fine.shape[0] // S))
+    mean = np.asarray(((down @ fine) @ across.T), dtype=np.float64)
     return mean[border:-border, border:-border]
+
+
+@lru_cache(maxsize=64)
+def _blur_and_area(pixels: int, blur_sd: float, samples: int) -> csr_array:
+    """(pixels, pixels * samples): Gaussian blur on the grid of samples and the mean over each pixel in one, along one direction;
+    the grid's border continues outside."""
+    kernel = np.ones(1)
+    if blur_sd > 0.0:
+        reach = math.ceil(5.0 * blur_sd * samples)
+        kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / (blur_sd * samples)) ** 2)
+    kernel = np.convolve(kernel / kernel.sum(), np.full(samples, 1.0 / samples))
+    reach = (len(kernel) - samples) // 2
+    rows = np.repeat(np.arange(pixels), len(kernel))
+    columns = (np.arange(pixels)[:, None] * samples - reach + np.arange(len(kernel))[None, :]).ravel()
+    columns = np.clip(columns, 0, pixels * samples - 1)
+    weights = np.tile(kernel, pixels).astype(np.float32)
+    return csr_array((weights, (rows, columns)), shape=(pixels, pixels * samples))
 
 
 def _line_kernel(path: Array) -> NDArray[np.float32]:
