@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from seater_common.params import ParameterError
+from seater_eval.parallel import job_seed
 from seater_eval.perception import subject
 from seater_eval.perception.accuracy_cells import bound_entry, nees_entry
 from seater_eval.perception.degraded_camera import load_degraded_camera
@@ -15,7 +16,7 @@ from seater_eval.perception.long_run import run_long
 from seater_eval.perception.negatives import KINDS, OTHER_IDS, negative
 from seater_eval.perception.peers import PEERS, dictionary_of, make_peer
 from seater_eval.perception.render import Print, clean_picture, corners_of, exposed
-from seater_eval.perception.scenes import facing, normal_error, normalised_error_squared, pose_error
+from seater_eval.perception.scenes import facing, normal_error, normalised_error_squared, pose_error, upright
 from seater_eval.perception_accuracy import accuracy_bars
 from seater_eval.perception_range import PAPER, range_bars
 from seater_eval.perception_speed import speed_bars
@@ -43,6 +44,20 @@ def test_everyone_speaks_our_conventions(name: str) -> None:
     error = pose_error(seen.pose, POSE)
     assert np.linalg.norm(error[:3]) < 0.02
     assert np.linalg.norm(error[3:]) < 0.2
+
+
+@pytest.mark.parametrize("picture", [100, 147, 152, 249])
+def test_small_frontal_marker_keeps_both_branches(picture: int) -> None:
+    """The corners of these leave one pose, or the fit goes over to the other one: the true one still has to be there."""
+    random = np.random.default_rng(job_seed(777, picture))
+    pose = upright(2.84, 0.0, random)
+    shown = exposed(clean_picture([Print(subject.DICTIONARY, 0, 0.1, pose)], CAMERA), CAMERA.noise_sd, random)
+    detector = subject.make_detector(CAMERA, 0.1, subject.perception_parameters(CONFIG), prior=True)
+    (marker,) = [m for m in detector.detect(shown).markers if m.id == 0]
+    errors = [normalised_error_squared(pose_error(h.pose, pose), h.covariance) for h in marker.hypotheses]
+    assert min(errors) < 25.0
+    best = pose_error(marker.hypotheses[0].pose, pose)
+    assert normalised_error_squared(best, marker.covariance) < 25.0
 
 
 def test_errors() -> None:

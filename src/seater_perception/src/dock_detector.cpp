@@ -25,6 +25,7 @@ void keepNearest(const Eigen::Isometry3d& pose, DetectedMarker& marker) {
                                              [&](const auto& a, const auto& b) { return turn(a) < turn(b); });
   nearest.weight = 1.0;
   marker.hypotheses = {nearest};
+  marker.branch_known = true;
 }
 
 }  // namespace

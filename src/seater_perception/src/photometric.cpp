@@ -131,7 +131,10 @@ struct PhotometricRefiner::Workspace {
       if (fit.failed) continue;
       if (begin) fit.start(problem);
       if (!fit.failed) fit.firstLook(problem);
-      if (!fit.failed && best && fit.clearlyWorseThan(*best)) fit.fail("clearly worse than another seed's");
+      if (!fit.failed && best && fit.clearlyWorseThan(*best)) {
+        fit.hopeless = true;
+        fit.fail("clearly worse than another seed's");
+      }
       if (!fit.failed && best && fit.sameAs(*best, problem)) fit.fail("same as another seed's");
       if (!fit.failed) fit.finish(problem);
       if (!fit.failed && !best) best = &fit;
@@ -225,7 +228,7 @@ std::vector<PhotometricBranch> PhotometricRefiner::refineBranches(const cv::Mat&
   std::vector<PhotometricBranch> branches;
   double sd = std::numeric_limits<double>::infinity();
   for (const SeedFit& fit : workspace_->fitAll(parameters_, grey, camera, placements, seeds, known_blur)) {
-    branches.push_back({fit.result, 0.0, 0.0});
+    branches.push_back({fit.result, 0.0, 0.0, fit.hopeless});
     if (fit.result.converged) sd = std::min(sd, fit.result.noise_sd);
   }
   double best = std::numeric_limits<double>::infinity(), sum = 0.0;

@@ -5,13 +5,12 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
+#include "branch_seeds.h"
 #include "seater_perception/dock_layout.h"
 
 namespace seater_perception {
 namespace {
 
-constexpr double kClearlyWorse = 15.0;     // of chi-squared: the corners have decided
-constexpr double kSideForDecision = 40.0;  // [px] smaller markers' corners do not decide
 // Part of the picture's variance that the pattern has to explain: a small marker has to be proved by it, a large one
 // has been read bit by bit and may be partly covered.
 constexpr double kExplainedSmall = 0.9, kExplainedLarge = 0.85;
@@ -24,18 +23,6 @@ constexpr double kCoarseCorners = 0.25;   // cells
 constexpr double kBlurredCorners = 0.25;  // standard deviations of the blur
 constexpr double kClipped = 0.05;         // share of the pixels
 constexpr double kLargestGap = 0.3;       // [px] rms, between a marker's own corners and those of the joint pose
-
-/// Seeds that the corners cannot tell apart.
-std::vector<Eigen::Isometry3d> openSeeds(const DetectedMarker& marker) {
-  double smallest = marker.hypotheses.front().chi_squared;
-  for (const auto& h : marker.hypotheses) smallest = std::min(smallest, h.chi_squared);
-  std::vector<Eigen::Isometry3d> seeds;
-  for (const auto& h : marker.hypotheses) {
-    const bool decided = marker.image.edges_fitted && marker.image.side() > kSideForDecision;
-    if (!decided || h.chi_squared - smallest < kClearlyWorse) seeds.push_back(h.pose);
-  }
-  return seeds;
-}
 
 /// Grey levels that the sensor could have seen, and a blur that leaves cells to be told apart.
 bool plausible(const PhotometricResult& result, double side, int cells, double full_scale) {
@@ -147,13 +134,14 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
                            const PhotometricRefiner& refiner, const PosePrior& prior, const PoseParameters& parameters,
                            DetectedMarker& marker) {
   const std::vector<PatternPlacement> placement{{pattern, marker.size, Eigen::Isometry3d::Identity()}};
-  const auto seeds = openSeeds(marker);
   const double explained = marker.image.side() < kLargeSide ? kExplainedSmall : kExplainedLarge;
   const double blur = marker.image.edges_fitted ? marker.image.blur_sd : 0.0;
   const double full_scale = grey.depth() == CV_16U ? 65535.0 : 255.0;
   double misfit = 0.0;
-  const auto fit = [&](const PhotometricRefiner& by, double known_blur) {
-    auto branches = by.refineBranches(grey, camera, placement, seeds, known_blur);
+  std::vector<PhotometricBranch> branches;
+  const auto fitSeeds = [&](const PhotometricRefiner& by, const std::vector<Eigen::Isometry3d>& seeds,
+                            double known_blur) {
+    branches = by.refineBranches(grey, camera, placement, seeds, known_blur);
     double best = std::numeric_limits<double>::infinity();
     for (auto& b : branches) {
       b.result.converged = b.result.converged && plausible(b.result, marker.image.side(), pattern.cells(), full_scale);
@@ -162,6 +150,13 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
       misfit = b.result.flat_noise > 0.0 ? b.result.noise_sd / b.result.flat_noise : 0.0;
     }
     return distinct(branches, explained);
+  };
+  const auto fit = [&](const PhotometricRefiner& by, double known_blur) {
+    auto found = fitSeeds(by, openSeeds(marker), known_blur);
+    if (!otherBranchOpen(marker, branches, found)) return found;
+    const auto both =
+        fitSeeds(by, steepSeeds(found.front().pose), known_blur > 0.0 ? known_blur : by.parameters().blur_sd);
+    return both.empty() ? found : both;
   };
   auto hypotheses = fit(refiner, blur);
   if (hypotheses.empty() && blur > 0.0) hypotheses = fit(refiner, 0.0);

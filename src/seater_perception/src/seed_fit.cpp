@@ -24,6 +24,7 @@ constexpr int kFewPixels = 600;         // no first look for so few
 constexpr double kHopeless = 7.5;       // of the loss in the first look, over the noise's variance
 constexpr double kSeen = 0.5;           // of the pixels: fewer tell that clipping explains the picture
 constexpr double kClippedEnd = 0.004;   // of the range: what counts as its end
+constexpr double kSameTurn = 0.01;      // [rad] the same
 constexpr double kSame = 0.25;          // squared distance of two fits' poses, in standard deviations of the first look
 
 }  // namespace
@@ -131,7 +132,9 @@ bool SeedFit::clearlyWorseThan(const SeedFit& other) const {
   return look_cost_ - other.look_cost_ > kHopeless * scale * scale;
 }
 
+/// Where two minima lie near to each other the picture hardly changes between them: their angle has to be small too.
 bool SeedFit::sameAs(const SeedFit& other, const PhotometricProblem& problem) const {
+  if (Eigen::AngleAxisd(look_pose_.linear().transpose() * other.look_pose_.linear()).angle() > kSameTurn) return false;
   return problem.distance(look_pose_, other.look_pose_) < kSame * scale_ * scale_;
 }
 

@@ -50,6 +50,7 @@ struct PhotometricBranch {
   PhotometricResult result;
   double chi_square = 0.0;  ///< robust, on the pixels common to all branches
   double weight = 0.0;
+  bool hopeless = false;  ///< a first look showed that it is clearly worse than another
 };
 
 /// Fits the pose of printed markers to the grey levels of a picture: every pixel near a cell border is compared with
