@@ -10,7 +10,7 @@ import pytest
 from seater_common.params import ParameterError
 from seater_eval.parallel import job_seed
 from seater_eval.perception import subject
-from seater_eval.perception.accuracy_cells import bound_entry, nees_entry
+from seater_eval.perception.accuracy_cells import bound_entry, nees_entry, table_bounds
 from seater_eval.perception.degraded_camera import load_degraded_camera
 from seater_eval.perception.long_run import run_long
 from seater_eval.perception.negatives import KINDS, OTHER_IDS, negative
@@ -76,6 +76,9 @@ def test_bounds_of_the_normalised_error_hold_for_normal_errors() -> None:
     inside = [nees_entry(list((random.standard_normal((20, 6)) ** 2).sum(axis=1)))["inside"] for _ in range(400)]
     assert 0.92 < np.mean(inside) < 0.98
     assert not nees_entry([12.0] * 20)["inside"]
+    low, high = table_bounds(20, 10)
+    means = (random.standard_normal((400, 10, 20, 6)) ** 2).sum(axis=3).mean(axis=2)
+    assert 0.92 < np.mean(((means > low) & (means < high)).all(axis=1)) < 0.98
     assert not nees_entry([])["inside"]
 
 
@@ -162,7 +165,7 @@ def accuracy_data(**changes: float) -> dict:
             "distance": distance,
             "angle_deg": 0.0,
             "methods": methods,
-            "nees": {"inside": inside},
+            "nees": {"inside": inside, "mean": value["nees"], "count": 48},
         } | bound
 
     branches = {key: value[key] for key in ("seater", "ippe", "found")}

@@ -143,6 +143,14 @@ def nees_entry(nees: list[float]) -> dict[str, Any]:
     return {"count": n, "mean": mean, "low": low, "high": high, "inside": low <= mean <= high}
 
 
+def table_bounds(count: int, cells: int) -> tuple[float, float]:
+    """Bounds of the mean normalised error of `count` pictures that a right covariance keeps in all of `cells` independent
+    cells with a probability of 95 % (Sidak, "Rectangular confidence regions", 1967)."""
+    outside = 0.5 * (1.0 - 0.95 ** (1.0 / cells))
+    low, high = (float(chi2.ppf(p, 6 * count)) / count for p in (outside, 1.0 - outside))
+    return low, high
+
+
 @dataclass(frozen=True)
 class BranchJob:
     """Frames first .. last - 1 of the wrong-branch test."""

@@ -17,6 +17,8 @@ FOLDER = Path("/usr/share/visp-images-data/ViSP-images/AprilTag/benchmark/640x48
 FAMILIES = (("16_05", "DICT_APRILTAG_16h5", 6), ("25_09", "DICT_APRILTAG_25h9", 7), ("36_11", "DICT_APRILTAG_36h11", 8))
 HALF_SIZE = (3, 4)  # these tags are half as large
 CORNERS = "published_corners"
+# Their pixels count from the picture's corner: the principal point (320, 240) is (319.5, 239.5) here.
+CAMERA = DegradedCamera(640, 480, 700.0, 0.0, 0.0, 0.0, 255.0, 255.0, 1.0)
 OPENCV = ("opencv_none", "opencv_default", "opencv_scaled", "opencv_apriltag")
 
 
@@ -30,48 +32,73 @@ def read_corners(path: Path) -> dict[int, NDArray[np.float64]]:
 
 def position_from_corners(corners: NDArray[np.float64], camera: DegradedCamera, size: float) -> NDArray[np.float64]:
     """(3,) [m]: least squares on four corners, from the better solution of IPPE."""
-    h = 0.5 * size
-    points = np.array([[-h, h, 0.0], [h, h, 0.0], [h, -h, 0.0], [-h, -h, 0.0]])
+    points = _square(size)
     _, turn, place = cv2.solvePnP(points, corners, camera.K, None, flags=cv2.SOLVEPNP_IPPE_SQUARE)
     return np.asarray(cv2.solvePnPRefineLM(points, corners, camera.K, None, turn, place)[1]).ravel()
 
 
-def published_pictures(config: str | Path) -> dict[str, Any] | None:
-    """Tags found and error of position [mm] of each method; None when the package is not installed. `published_corners`: the
-    poses that the package's own corners give, which says how exact its poses are.
+def common_positions() -> dict[int, NDArray[np.float64]]:
+    """Tag id -> (3,) [m]: the pose that the package's corners of all three pictures together give. In all of them a tag has
+    one pose, so that this says what the pictures show where the package's own poses deviate from it (by up to 0.4 px)."""
+    points: dict[int, list[Any]] = {}
+    seen: dict[int, list[Any]] = {}
+    for family, _, cells in FAMILIES:
+        for tag, corners in read_corners(FOLDER / f"corners_tag{family}.txt").items():
+            points.setdefault(tag, []).append(_square(_size(cells, tag in HALF_SIZE)))
+            seen.setdefault(tag, []).append(corners)
+    positions = {}
+    for tag in points:
+        start = cv2.solvePnP(points[tag][0], seen[tag][0], CAMERA.K, None, flags=cv2.SOLVEPNP_IPPE_SQUARE)[1:]
+        every = np.concatenate(points[tag]), np.concatenate(seen[tag])
+        positions[tag] = np.asarray(cv2.solvePnPRefineLM(*every, CAMERA.K, None, *start)[1]).ravel()
+    return positions
 
-    Their pixels count from the picture's corner: the principal point (320, 240) is (319.5, 239.5) here, f = 700. A black
-    square is 0.25 m x n / (n + 2) with n cells.
-    """
+
+def published_pictures(config: str | Path) -> dict[str, Any] | None:
+    """Tags found, errors of position [mm] of each method, and the same against common_positions; None when the package is
+    not installed. `published_corners`: the poses that the package's own corners give, which says how exact its poses are."""
     if not FOLDER.is_dir():
         return None
-    camera = DegradedCamera(640, 480, 700.0, 0.0, 0.0, 0.0, 255.0, 255.0, 1.0)
     parameters = subject.perception_parameters(config)
-    errors: dict[str, list[float]] = {name: [] for name in ("seater", *OPENCV, CORNERS)}
+    seen: dict[str, list[tuple[int, NDArray[np.float64]]]] = {name: [] for name in ("seater", *OPENCV, CORNERS)}
     for family, dictionary, cells in FAMILIES:
         picture = cv2.imread(str(FOLDER / f"tag{family}_640x480.png"), cv2.IMREAD_GRAYSCALE)
         corners = read_corners(FOLDER / f"corners_tag{family}.txt")
         for half in (False, True):
-            size = 0.25 * cells / (cells + 2.0) * (0.5 if half else 1.0)
+            size = _size(cells, half)
             layout = subject.layout(size, False, dictionary=dictionary)
-            detector = subject.sp.DockDetector(subject.camera_model(camera), layout, parameters)
+            detector = subject.sp.DockDetector(subject.camera_model(CAMERA), layout, parameters)
             for tag in (t for t in corners if (t in HALF_SIZE) == half):
-                off = position_from_corners(corners[tag], camera, size) - _truth(tag)
-                errors[CORNERS].append(1e3 * float(np.linalg.norm(off)))
+                seen[CORNERS].append((tag, position_from_corners(corners[tag], CAMERA, size)))
             for name in ("seater", *OPENCV):
-                found = errors[name]
-                detect = subject.as_peer(detector) if name == "seater" else make_peer(name, camera.K, size, dictionary)
-                for seen in detect(picture):
-                    if 0 <= seen.id < 5 and (seen.id in HALF_SIZE) == half:
-                        found.append(1e3 * float(np.linalg.norm(seen.pose[:3, 3] - _truth(seen.id))))
+                detect = subject.as_peer(detector) if name == "seater" else make_peer(name, CAMERA.K, size, dictionary)
+                found = [s for s in detect(picture) if 0 <= s.id < 5 and (s.id in HALF_SIZE) == half]
+                seen[name] += [(s.id, s.pose[:3, 3]) for s in found]
+    common = common_positions()
     result: dict[str, Any] = {"tags": 5 * len(FAMILIES)}
-    for name, found in errors.items():
-        worst = max(found) if found else None
-        result[name] = {"found": len(found), "median_mm": float(np.median(found)) if found else None, "worst_mm": worst}
+    for name, positions in seen.items():
+        errors = [1e3 * float(np.linalg.norm(position - _truth(tag))) for tag, position in positions]
+        others = [1e3 * float(np.linalg.norm(position - common[tag])) for tag, position in positions]
+        result[name] = {"found": len(errors), **_median_worst("", errors), **_median_worst("from_corners_", others)}
     for key in ("median_mm", "worst_mm"):  # the best of the refinements, for each figure by itself
         best = [result[name][key] for name in OPENCV if result[name]["found"] == result["tags"]]
         result[f"best_opencv_{key}"] = min(best) if best else None
     return result
+
+
+def _median_worst(prefix: str, errors: list[float]) -> dict[str, float | None]:
+    median, worst = (float(np.median(errors)), max(errors)) if errors else (None, None)
+    return {f"{prefix}median_mm": median, f"{prefix}worst_mm": worst}
+
+
+def _size(cells: int, half: bool) -> float:
+    """Side of the black square [m]: the print with its white margin of one cell is 0.25 m, or half of that."""
+    return 0.25 * cells / (cells + 2.0) * (0.5 if half else 1.0)
+
+
+def _square(size: float) -> NDArray[np.float64]:
+    h = 0.5 * size
+    return np.array([[-h, h, 0.0], [h, h, 0.0], [h, -h, 0.0], [-h, -h, 0.0]])
 
 
 def _truth(tag: int) -> NDArray[np.float64]:

@@ -170,8 +170,8 @@ def white_share(
 
 @lru_cache(maxsize=64)
 def _blur_and_area(pixels: int, blur_sd: float, samples: int) -> csr_array:
-    """(pixels, pixels * samples): Gaussian blur on the grid of samples and the mean over each pixel in one, along one direction;
-    the grid's border continues outside."""
+    """(pixels, pixels * samples): Gaussian blur on the grid of samples and the mean over each pixel in one, along one
+    direction; the grid's border continues outside."""
     kernel = np.ones(1)
     if blur_sd > 0.0:
         reach = math.ceil(5.0 * blur_sd * samples)
