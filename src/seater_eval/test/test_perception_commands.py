@@ -110,13 +110,15 @@ def range_data(far: float, near: float, plain: float, false: int) -> dict:
             {"method": "opencv_none", "size": size, "far": True, "limit_m": plain * farthest},
         ]
     seen = [{"picture": 3, "kind": "noise", "method": "seater"}] * false
-    return {"limits": limits, "negatives": {"noise": 10, OTHER_IDS: 2}, "false_detections": seen}
+    found = {"negatives": {"noise": 10, OTHER_IDS: 2}, "false_detections": seen}
+    return {"quick": False, "limits": limits, **found}
 
 
 def test_range_bars() -> None:
     assert all(bar.met for bar in range_bars(range_data(1.5, 1.0, 0.95, 0)))
     for wrong in ((1.4, 1.0, 0.95, 0), (1.5, 1.1, 0.95, 0), (1.5, 1.0, 0.8, 0), (1.5, 1.0, 0.95, 1)):
         assert not all(bar.met for bar in range_bars(range_data(*wrong)))
+    assert all(bar.met for bar in range_bars(range_data(1.5, 1.0, 0.8, 0) | {"quick": True}))
     nothing = range_data(1.5, 1.0, 0.95, 0) | {"limits": []}
     assert not any(bar.met for bar in range_bars(nothing)[:-2])
     other = range_data(1.5, 1.0, 0.95, 0) | {

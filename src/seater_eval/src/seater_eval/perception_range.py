@@ -179,10 +179,10 @@ def count_false(job: NegativeJob) -> dict[str, Any]:
 
 
 def negative_picture(config: str | Path, kind: str, index: int) -> Picture:
-    """Picture number `index` of those without markers."""
+    """Picture number `index` of those without markers. The detector's threshold was chosen on others (seed 11)."""
     camera = camera_of(config)
     size = camera.image_width, camera.image_height
-    return negative(kind, *size, camera.blur_sd, camera.noise_sd, job_seed(11, index))
+    return negative(kind, *size, camera.blur_sd, camera.noise_sd, job_seed(12, index))
 
 
 def run_range(
@@ -194,7 +194,7 @@ def run_range(
     subject.make_detector(camera, 0.1, subject.perception_parameters(config), prior=False)  # wrong parameters: now
     methods = ("seater", PLAIN) if quick else FULL_METHODS
     # The frozen camera stands and falls with the plain detector's far end, and its window is narrow: more pictures there.
-    pictures, plain_pictures, steps, plain_steps = (10, 200, 2, 0) if quick else (50, 600, 6, 3)
+    pictures, plain_pictures, steps, plain_steps = (10, 60, 2, 0) if quick else (50, 1000, 6, 1)
     total = negatives if negatives is not None else (100 if quick else 10_000)
     jobs = [
         RangeJob(config, method, size, far, plain_pictures, plain_steps)
@@ -246,8 +246,9 @@ def range_bars(data: dict[str, Any]) -> list[Bar]:
         plain = limit_of(data, PLAIN, size, True)
         off = None if plain is None else abs(plain / farthest - 1.0)
         near, far = limit_of(data, "seater", size, False), limit_of(data, "seater", size, True)
+        if not data["quick"]:  # takes 1000 pictures a distance: with few of them chance would decide
+            bars.append(Bar(f"{name}: plain OpenCV's far limit off the paper's (frozen camera)", off, CALIBRATION))
         bars += [
-            Bar(f"{name}: plain OpenCV's far limit off the paper's (frozen camera)", off, CALIBRATION),
             Bar(f"{name}: nearest", near, nearest, "m", "at most"),
             Bar(f"{name}: farthest / the paper's", None if far is None else far / farthest, FARTHER, "", "at least"),
         ]
