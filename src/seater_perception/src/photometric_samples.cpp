@@ -14,7 +14,6 @@ constexpr double kSubVariance = 0.0645497224;  // of the four rays of a pixel: s
 constexpr double kNarrowBlur = 0.45;           // [px] below, the box's own shape shows: 0.3 % of the contrast
 constexpr double kFeltReach = 3.4;             // [standard deviations] beyond it a border is not felt: 3e-4
 constexpr double kSheetReach = 2.2;  // [standard deviations] from the sheet's end, its surroundings are hardly felt
-constexpr int kTableRing = 8;        // [cells] beyond the pattern, in the table of what borders look like
 constexpr int kBuckets = 4;          // pixels are dealt into so many, one after the other
 
 /// How many borders along an axis each pixel has to look at: nearest ones of this blur [cells], which is `off` wrong.
@@ -105,11 +104,11 @@ void SampleCollector::collect(const cv::Mat& grey, const CameraModel& camera, co
 }
 
 void SampleCollector::tabulate(const MarkerPattern& pattern, const PixelBatch& batch) {
-  const int side = pattern.cells() + 2 * kTableRing + 1, planes = batch.planes();
+  const int side = pattern.cells() + 2 * ring_ + 1, planes = batch.planes();
   table_.resize(static_cast<std::size_t>(side * side * planes));
   for (int row = 0; row < side; ++row) {
     for (int column = 0; column < side; ++column) {
-      patternAt(pattern, column - kTableRing, row - kTableRing, batch.borders,
+      patternAt(pattern, column - ring_, row - ring_, batch.borders,
                 table_.data() + static_cast<std::size_t>((row * side + column) * planes));
     }
   }
@@ -121,6 +120,11 @@ void SampleCollector::fill(const cv::Mat& grey, const CameraModel& camera, const
   const int count = static_cast<int>(std::min<std::int64_t>(all, most));
   PixelBatch& batch = samples.batch;
   resize(batch, count, batch.borders, !grid_.linear());
+  float farthest = 0.0F;  // beyond the pattern
+  for (const PixelCandidate& c : candidates_) {
+    farthest = std::max({farthest, -std::min(c.x, c.y), std::max(c.x, c.y) - static_cast<float>(pattern.cells())});
+  }
+  ring_ = static_cast<int>(std::ceil(farthest + 0.5F * static_cast<float>(batch.borders))) + 1;
   tabulate(pattern, batch);
   const double half = 0.5 * std::max(box.u1 - box.u0, box.v1 - box.v0);
   const double mu = 0.5 * (box.u0 + box.u1), mv = 0.5 * (box.v0 + box.v1);
@@ -148,15 +152,16 @@ void SampleCollector::fill(const cv::Mat& grey, const CameraModel& camera, const
 
 /// First borders and pattern of each pixel.
 void SampleCollector::fillPattern(int cells, PixelBatch& batch) {
-  const int side = cells + 2 * kTableRing + 1, planes = batch.planes();
+  const int side = cells + 2 * ring_ + 1, planes = batch.planes();
   const float centre = 0.5F * static_cast<float>(cells), before = 0.5F * static_cast<float>(batch.borders);
+  const auto ring = static_cast<float>(ring_);
   for (std::size_t i = 0; i < order_.size(); ++i) {
     const PixelCandidate& c = candidates_[static_cast<std::size_t>(order_[i])];
-    // Nearest ones: floor of what is above -kTableRing.
-    const int column = static_cast<int>(c.x - before + 1.0F + kTableRing);
-    const int row = static_cast<int>(c.y - before + 1.0F + kTableRing);
-    batch.column[i] = static_cast<float>(column - kTableRing) - centre;
-    batch.row[i] = static_cast<float>(row - kTableRing) - centre;
+    // Nearest ones: floor of what is above -ring_.
+    const int column = static_cast<int>(c.x - before + 1.0F + ring);
+    const int row = static_cast<int>(c.y - before + 1.0F + ring);
+    batch.column[i] = static_cast<float>(column - ring_) - centre;
+    batch.row[i] = static_cast<float>(row - ring_) - centre;
     const float* from = table_.data() + static_cast<std::size_t>((row * side + column) * planes);
     float* to = batch.pattern.data() + i;
     for (int k = 0; k < planes; ++k, to += batch.padded) *to = from[k];

@@ -17,11 +17,17 @@ constexpr float kNearestPlane = 0.05f;  // of the homography's third coordinate
 
 PictureLevels::PictureLevels(const cv::Mat& grey) {
   levels_.push_back(grey);
-  while (levels_.size() < kMostLevels && std::min(levels_.back().cols, levels_.back().rows) >= 2 * kSmallestLevel) {
+  for (int length = std::min(grey.cols, grey.rows); most_ < kMostLevels && length >= 2 * kSmallestLevel; ++most_)
+    length = (length + 1) / 2;
+}
+
+const cv::Mat& PictureLevels::level(std::size_t number) const {
+  while (levels_.size() <= number) {
     cv::Mat coarser;
     cv::pyrDown(levels_.back(), coarser, cv::Size(), cv::BORDER_REPLICATE);
     levels_.push_back(coarser);
   }
+  return levels_[number];
 }
 
 // Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989: the unit square to a quadrilateral.
@@ -68,10 +74,10 @@ bool greyAt(const cv::Mat& picture, const Eigen::Vector3f& p, float& grey) {
 void PictureLevels::sample(const Quad& quad, const PatternGrid& grid, Samples& samples) const {
   const double cell = meanSide(quad) / grid.cells();
   const bool several = cell >= kSeveralFrom;
-  std::size_t level = 0;
-  while (level + 1 < levels_.size() && cell >= 2.0 * kSeveralFrom * (1 << level)) ++level;
-  const cv::Mat& picture = levels_[level];
-  const double scale = 1.0 / (1 << level);
+  std::size_t number = 0;
+  while (number + 1 < most_ && cell >= 2.0 * kSeveralFrom * (1 << number)) ++number;
+  const cv::Mat& picture = level(number);
+  const double scale = 1.0 / (1 << number);
   // Pixel i of a level lies over pixel 2 i of the finer one.
   const Eigen::Matrix3f H =
       (Eigen::Vector3d(scale, scale, 1.0).asDiagonal() * SquareToQuad(quad).matrix()).cast<float>();
