@@ -216,7 +216,7 @@ std::vector<MarkerCorners> MarkerDetector::follow(const cv::Mat& grey, const std
     else if (e.by_outline)
       marker = implementation_->outlineNear(picture, e);
     if (!marker) continue;
-    if (e.edges || !reading) implementation_->refine(grey, *marker);
+    if (e.edges || !reading || !(reading->contrast > 0.0)) implementation_->refine(grey, *marker);
     found.push_back(*marker);
   }
   return found;

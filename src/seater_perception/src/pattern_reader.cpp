@@ -48,7 +48,7 @@ std::optional<PatternReading> PatternReader::Implementation::judge(double min_ev
   reading.corners = a.quad;
   reading.blur = a.blur;
   reading.dark = a.fit.light[0];
-  reading.contrast = a.fit.gain;
+  reading.contrast = a.moving || a.free.size() > 0 ? 0.0 : a.fit.gain;
   reading.correlation = std::sqrt(std::max(0.0, a.fit.explained));
   if (!aligner.hasBorder(a.samples)) return std::nullopt;
   if (a.fit.quiet < kDarkestQuiet * a.fit.gain || a.fit.quiet > kLightestQuiet * a.fit.gain) return std::nullopt;

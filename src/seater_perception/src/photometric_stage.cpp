@@ -167,7 +167,7 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
     return distinct(branches, explained);
   };
   auto hypotheses = fit(refiner, blur);
-  if (followed && (hypotheses.empty() || (misfit > kMisfit && !marker.image.edges_fitted))) return false;
+  if (followed && (hypotheses.empty() || misfit > kMisfit)) return false;
   if (hypotheses.empty() && blur > 0.0) hypotheses = fit(refiner, 0.0);
   if (hypotheses.empty() && marker.image.side() > kLargeSide) {
     // The quiet zone may be darker than the print's white (cut close and pasted on a wall): the print alone, then.

@@ -26,7 +26,7 @@ struct MarkerCorners {
   double corner_sigma = 0.0;  ///< standard deviation of a corner coordinate; 0: as the parameters say [px]
   double blur_sd = 0.0;       ///< of the lens, from fitted edges or grey levels; 0: not known [px]
   int code_blur = -1;         ///< PatternReading::blur; -1: not known
-  double dark = 0.0, contrast = 0.0;  ///< as of PatternReading; contrast 0: not known [grey levels]
+  double dark = 0.0, contrast = 0.0;  ///< as of PatternReading; contrast 0: not to be relied on
 
   double side() const;     ///< mean side [px]
   double minSide() const;  ///< shortest side [px]
@@ -40,7 +40,7 @@ struct ExpectedMarker {
   double reach = 0.0;                      ///< how far away it is looked for [px]; 0: only there
   bool by_outline = true;                  ///< and by its outline, when its code does not show there
   int code_blur = -1;                      ///< as of MarkerCorners in the last picture; -1: not known
-  bool edges = true;                       ///< false: no edges are fitted where the code shows
+  bool edges = true;                       ///< false: no edges are fitted where the code shows clearly
 };
 
 /// Finds markers of one dictionary and refines their corners. Outlines and ids come from findQuads and PatternReader

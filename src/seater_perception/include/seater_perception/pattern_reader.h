@@ -25,7 +25,8 @@ struct PatternReading {
   /// Each sample left out as covered counts 0.25 against it.
   double evidence = 0.0;
   int blur = -1;                       ///< of the fitted code: number of TemplateBook::kBlurs
-  double dark = 0.0, contrast = 0.0;  ///< grey level of its ink, and of its paper over that
+  /// Grey level of its ink, and of its paper over that; contrast 0: a part is covered, or the picture moved.
+  double dark = 0.0, contrast = 0.0;
 };
 
 /// Compares quadrilaterals with the codes of a dictionary. Grey levels are taken at four points of each cell and in the

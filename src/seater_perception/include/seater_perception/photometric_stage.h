@@ -26,8 +26,8 @@ class PatternBook {
 /// True, but with the poses of the corners, when the print is not as the model has it (bent, cells of another width)
 /// and its fitted edges contradict the fitted pose.
 ///
-/// `followed`: the marker is an expectedMarker, whose poses, blur and brightness are near. Then false also when its noise
-/// looks as if the model did not hold and no edges were fitted that could tell: to be done again from the edges.
+/// `followed`: the marker is an expectedMarker, whose poses, blur and brightness are near. Then false also when
+/// residuals look as if the model did not hold: to be done again from its edges.
 ///
 /// False, and the marker unchanged, when no fit converged or the pattern does not explain the picture.
 bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const MarkerPattern& pattern,
