@@ -8,7 +8,7 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kSmallCell = 8.0;       // [px] up to here, the code's corners are near enough to begin a fit
+constexpr double kSmallCell = 8.0;     // [px] up to here, the code's corners are near enough to begin a fit
 constexpr double kReachByDock = 0.17;  // [sides] one cell: for markers that were not seen in the last picture
 
 double sideOf(const std::array<Eigen::Vector2d, 4>& corners) {

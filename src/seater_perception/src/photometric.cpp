@@ -12,11 +12,11 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kFineMargin = 0.25;  // [px] the approach ends nearer than this
-constexpr double kNoEnd = 1e6;        // [grey levels] of a sensor that does not clip
-constexpr int kSparse = 1000;         // pixels of an approach
+constexpr double kFineMargin = 0.25;    // [px] the approach ends nearer than this
+constexpr double kNoEnd = 1e6;          // [grey levels] of a sensor that does not clip
+constexpr int kSparse = 1000;           // pixels of an approach
 constexpr double kClearlyWorse = 30.0;  // of chi-squared: beyond all doubt
-constexpr int kRounds = 4;            // of collecting pixels: the approach, then again while a marker leaves its band
+constexpr int kRounds = 4;              // of collecting pixels: the approach, then again while a marker leaves its band
 
 using Blur = PhotometricProblem::Blur;
 using Placements = std::vector<PatternPlacement>;

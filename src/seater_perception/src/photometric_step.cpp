@@ -9,9 +9,9 @@ namespace seater_perception {
 namespace {
 
 constexpr double kLargestInverse = 1e10;  // trace of the inverse of the normal matrix scaled to a unit diagonal
-constexpr double kLimited = 1e-9;              // [px^2]
-constexpr double kLargestTurn = 0.5;           // [rad] of a step
-constexpr double kLargestMove = 0.5;           // of the distance
+constexpr double kLimited = 1e-9;         // [px^2]
+constexpr double kLargestTurn = 0.5;      // [rad] of a step
+constexpr double kLargestMove = 0.5;      // of the distance
 
 }  // namespace
 

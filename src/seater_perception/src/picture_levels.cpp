@@ -133,8 +133,7 @@ class Sampler {
         if (!several_) {
           grey[k] = greyAt(picture_.data, step, places, k);
         } else {
-          const float two =
-              greyAt(picture_.data, step, places, 2 * k) + greyAt(picture_.data, step, places, 2 * k + 1);
+          const float two = greyAt(picture_.data, step, places, 2 * k) + greyAt(picture_.data, step, places, 2 * k + 1);
           grey[k] = line == 0 ? 0.25f * two : grey[k] + 0.25f * two;
         }
       }
@@ -148,10 +147,8 @@ class Sampler {
     if (!several_) return greyAt(picture_, p, grey);
     const Eigen::Vector3f right = apart_ * H_.col(0), down = apart_ * H_.col(1);
     float a = 0.0f, b = 0.0f, c = 0.0f, d = 0.0f;
-    if (!greyAt(picture_, p + right + down, a) ||
-        !greyAt(picture_, p + right - down, b) ||
-        !greyAt(picture_, p - right + down, c) ||
-        !greyAt(picture_, p - right - down, d))
+    if (!greyAt(picture_, p + right + down, a) || !greyAt(picture_, p + right - down, b) ||
+        !greyAt(picture_, p - right + down, c) || !greyAt(picture_, p - right - down, d))
       return false;
     grey = 0.25f * (a + b + c + d);
     return true;

@@ -105,14 +105,15 @@ TEST(MarkerTrack, nothingIsExpectedBehindTheCamera) {
   EXPECT_FALSE(expectedMarker(kModel, last, seen));
 }
 
-// The same minimum from another beginning: measured at most 0.35 standard deviations apart, which are those of the noise.
+// The same minimum from another beginning: measured at most 0.3 standard deviations (of the noise) apart.
 TEST(MarkerTrack, resultsAreThoseOfADetectorWithoutHistory) {
   for (const double z : {0.5, 1.0, 2.5}) {
     DockTracker tracker = trackerOfAny();
     double worst = 0.0;
     for (unsigned k = 0; k < 12; ++k) {
       const scene::Print print{
-          3, kSide, scene::upright({(0.02 + 0.004 * k) * z, 0.0, z * (1.0 - 0.005 * k)}, 0.45 - 0.012 * k, 0.0, 0.01 * k)};
+          3, kSide,
+          scene::upright({(0.02 + 0.004 * k) * z, 0.0, z * (1.0 - 0.005 * k)}, 0.45 - 0.012 * k, 0.0, 0.01 * k)};
       const cv::Mat picture = drawn(print, k);
       const auto followed = tracker.detect(picture), alone = tracker.detector().detect(picture);
       ASSERT_EQ(followed.markers.size(), 1u) << z;
@@ -151,13 +152,15 @@ TEST(MarkerTrack, aWrongPredictionIsMadeGood) {
     for (const double angle : {0.0, 1.6, 3.9}) {
       DockTracker tracker = trackerOfAny();
       const double px = z / 640.0;
-      for (unsigned k = 0; k < 3; ++k) tracker.detect(drawn({5, kSide, scene::upright({4.0 * k * px, 0.0, z}, 0.4)}, k));
+      for (unsigned k = 0; k < 3; ++k)
+        tracker.detect(drawn({5, kSide, scene::upright({4.0 * k * px, 0.0, z}, 0.4)}, k));
       const scene::Print jumped{
           5, kSide, scene::upright({(12.0 + 8.0 * std::cos(angle)) * px, 8.0 * std::sin(angle) * px, z}, 0.4)};
       const auto result = tracker.detect(drawn(jumped, 9));
       ASSERT_EQ(result.markers.size(), 1u) << z;
       EXPECT_FALSE(result.full_search) << z;
-      EXPECT_LT((result.markers[0].best().pose.translation() - jumped.T_optical_marker.translation()).norm(), 0.004 * z);
+      EXPECT_LT((result.markers[0].best().pose.translation() - jumped.T_optical_marker.translation()).norm(),
+                0.004 * z);
     }
   }
 }
@@ -172,7 +175,8 @@ TEST(MarkerTrack, aHistoryIsNoProof) {
     std::vector<cv::Point> outline;
     for (const auto& c : scene::trueCorners(kCamera, print)) outline.emplace_back(cvRound(c.x()), cvRound(c.y()));
     cv::fillConvexPoly(card, outline, cv::Scalar(200));
-    for (const cv::Mat& changed : {card, drawn(other, 21), scene::draw(kCamera, "DICT_4X4_50", {}, scene::Look(), 22)}) {
+    for (const cv::Mat& changed :
+         {card, drawn(other, 21), scene::draw(kCamera, "DICT_4X4_50", {}, scene::Look(), 22)}) {
       DockTracker tracker = trackerOfAny();
       for (unsigned k = 0; k < 3; ++k) ASSERT_EQ(tracker.detect(drawn(print, k)).markers.size(), 1u);
       for (int again = 0; again < 2; ++again) {

@@ -23,9 +23,9 @@ struct MarkerCorners {
   std::array<Eigen::Vector2d, 4> corners;
   bool edges_fitted =
       false;  ///< true: corners are intersections of fitted edges; false: of the code or cornerSubPix, less accurate
-  double corner_sigma = 0.0;  ///< standard deviation of a corner coordinate; 0: as the parameters say [px]
-  double blur_sd = 0.0;       ///< of the lens, from fitted edges or grey levels; 0: not known [px]
-  int code_blur = -1;         ///< PatternReading::blur; -1: not known
+  double corner_sigma = 0.0;          ///< standard deviation of a corner coordinate; 0: as the parameters say [px]
+  double blur_sd = 0.0;               ///< of the lens, from fitted edges or grey levels; 0: not known [px]
+  int code_blur = -1;                 ///< PatternReading::blur; -1: not known
   double dark = 0.0, contrast = 0.0;  ///< as of PatternReading; contrast 0: not to be relied on
 
   double side() const;     ///< mean side [px]

@@ -24,7 +24,7 @@ struct PatternReading {
   /// -log((1 - correlation^2) worst_bit): both together. What only resembles a marker has one of them at most.
   /// Each sample left out as covered counts 0.25 against it.
   double evidence = 0.0;
-  int blur = -1;                       ///< of the fitted code: number of TemplateBook::kBlurs
+  int blur = -1;  ///< of the fitted code: number of TemplateBook::kBlurs
   /// Grey level of its ink, and of its paper over that; contrast 0: a part is covered, or the picture moved.
   double dark = 0.0, contrast = 0.0;
 };

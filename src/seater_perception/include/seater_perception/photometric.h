@@ -55,8 +55,8 @@ struct PhotometricBranch {
 
 /// What is known before a fit begins.
 struct PhotometricStart {
-  /// [px] lens blur; > 0: the seeds are exact to about 0.1 px and nothing is covered, so that the first, careful approach
-  /// is left out; 0: the parameters' blur, and the seeds are as for `refine`.
+  /// [px] lens blur; > 0: the seeds are exact to about 0.1 px and nothing is covered, so that the first, careful
+  /// approach is left out; 0: the parameters' blur, and the seeds are as for `refine`.
   double known_blur = 0.0;
   /// Of one marker, from other sources; then every seed is believed to be near a minimum, and none is given up at a
   /// first look.

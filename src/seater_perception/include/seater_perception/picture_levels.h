@@ -11,8 +11,8 @@
 namespace seater_perception {
 
 /// A CV_8UC1 picture and its halvings, smoothed so that a level can be sampled anywhere (P. Burt and E. Adelson, "The
-/// Laplacian pyramid as a compact image code", 1983), made when they are needed. Holds no copy of the picture: it has to
-/// outlive this. Not thread-safe.
+/// Laplacian pyramid as a compact image code", 1983), made when they are needed. Holds no copy of the picture: it has
+/// to outlive this. Not thread-safe.
 class PictureLevels {
  public:
   explicit PictureLevels(const cv::Mat& grey);
