@@ -14,10 +14,13 @@ constexpr double kSteep = 0.17;            // [rad]
 
 Eigen::Isometry3d mirrored(const Eigen::Isometry3d& T_optical_marker) {
   const Eigen::Vector3d sight = T_optical_marker.translation().normalized();
-  const Eigen::Matrix3d turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), sight).toRotationMatrix();
-  const Eigen::DiagonalMatrix<double, 3> D(1.0, 1.0, -1.0);
+  const auto reflected = [&sight](const Eigen::Vector3d& axis) {
+    return Eigen::Vector3d(axis - 2.0 * sight.dot(axis) * sight);
+  };
+  const Eigen::Vector3d x = reflected(T_optical_marker.linear().col(0)),
+                        y = reflected(T_optical_marker.linear().col(1));
   Eigen::Isometry3d result = T_optical_marker;
-  result.linear() = turn * (D * (turn.transpose() * T_optical_marker.linear()) * D);
+  result.linear() << x, y, x.cross(y);
   return result;
 }
 

@@ -32,4 +32,24 @@ SEATER_VECTOR_CLONES void addColumnProducts(const float* columns, int column_str
   }
 }
 
+SEATER_VECTOR_CLONES void columnDots(const float* columns, int n, int size, const float* vector, float* products) {
+  int c = 0;
+  for (; c + 4 <= size; c += 4) {
+    const float *b0 = columns + c * n, *b1 = b0 + n, *b2 = b1 + n, *b3 = b2 + n;
+    float s0 = 0.0F, s1 = 0.0F, s2 = 0.0F, s3 = 0.0F;
+    for (int i = 0; i < n; ++i) {
+      s0 += vector[i] * b0[i];
+      s1 += vector[i] * b1[i];
+      s2 += vector[i] * b2[i];
+      s3 += vector[i] * b3[i];
+    }
+    products[c] = s0, products[c + 1] = s1, products[c + 2] = s2, products[c + 3] = s3;
+  }
+  for (; c < size; ++c) {
+    float s = 0.0F;
+    for (int i = 0; i < n; ++i) s += vector[i] * columns[c * n + i];
+    products[c] = s;
+  }
+}
+
 }  // namespace seater_perception

@@ -7,4 +7,7 @@ namespace seater_perception {
 /// columns + k * column_stride; the product of columns r and c goes to sum[r * sum_stride + c].
 void addColumnProducts(const float* columns, int column_stride, int n, int size, double* sum, int sum_stride);
 
+/// Product of each of `size` columns (of n numbers, one after the other) with a vector.
+void columnDots(const float* columns, int n, int size, const float* vector, float* products);
+
 }  // namespace seater_perception

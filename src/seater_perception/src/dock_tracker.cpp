@@ -8,6 +8,7 @@
 namespace seater_perception {
 namespace {
 
+constexpr double kSmallCell = 8.0;     // [px] up to here, the code's corners are near enough to begin a fit
 constexpr double kReachByDock = 0.17;  // [sides] one cell: for markers that were not seen in the last picture
 
 double sideOf(const std::array<Eigen::Vector2d, 4>& corners) {
@@ -79,10 +80,16 @@ std::vector<MarkerCorners> DockTracker::follow(const cv::Mat& grey, const std::m
     e.id = id;
     e.corners = corners;
     const auto is_it = [wanted](const DetectedMarker& m) { return m.image.id == wanted; };
-    e.by_outline = std::any_of(last_.markers.begin(), last_.markers.end(), is_it);
+    const auto last = std::find_if(last_.markers.begin(), last_.markers.end(), is_it);
+    e.by_outline = last != last_.markers.end();
     // What the dock's pose alone tells is exact, or not worth a longer look in every picture.
     const double side = sideOf(corners);
     e.reach = e.by_outline ? std::max(parameters_.margin_min, parameters_.margin * side) : kReachByDock * side;
+    if (e.by_outline) {
+      const bool fitted = detector_.parameters().refinement == "photometric" && last->image.blur_sd > 0.0;
+      e.code_blur = last->image.code_blur;
+      e.edges = !fitted || side > kSmallCell * detector_.markerDetector().cells();
+    }
     expected.push_back(e);
   }
   for (const MarkerCorners& marker : detector_.markerDetector().follow(grey, expected, parameters_.min_evidence)) {
@@ -92,13 +99,23 @@ std::vector<MarkerCorners> DockTracker::follow(const cv::Mat& grey, const std::m
   return found;
 }
 
+/// As they are expected to stand now; without odometry, their corners alone tell that.
+std::map<int, DetectedMarker> DockTracker::lastMarkers(const std::optional<Eigen::Isometry3d>& T_now_last) const {
+  std::map<int, DetectedMarker> markers;
+  for (DetectedMarker marker : last_.markers) {
+    for (PoseHypothesis& h : marker.hypotheses) h.pose = T_now_last.value_or(Eigen::Isometry3d::Identity()) * h.pose;
+    markers.emplace(marker.image.id, marker);
+  }
+  return markers;
+}
+
 DetectionResult DockTracker::detect(const cv::Mat& grey, const std::optional<Eigen::Isometry3d>& T_now_last) {
   checkPicture(grey, detector_.camera());
   auto predicted = parameters_.enabled ? predict(T_now_last) : std::map<int, Corners>();
   DetectionResult result;
   result.full_search = true;
   if (!predicted.empty() && since_full_search_ + 1 < parameters_.full_search_every) {
-    result = detector_.evaluate(grey, follow(grey, predicted, {}));
+    result = detector_.evaluate(grey, follow(grey, predicted, {}), lastMarkers(T_now_last));
     result.full_search = result.markers.empty();
   }
   if (result.full_search) {

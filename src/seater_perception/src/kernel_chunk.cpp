@@ -194,14 +194,13 @@ SEATER_VECTOR_CLONES void addDerivatives(const Hits& hits, const Response& respo
   }
 }
 
-/// What the point-spread function sees beyond the sheet.
+/// What the point-spread function sees beyond the sheet; of each axis the nearer end alone is felt.
 SEATER_VECTOR_CLONES void addOutside(const Hits& hits, float half_sheet, float share, int n,
                                      float* __restrict outside) {
   for (int i = 0; i < n; ++i) {
-    const float x = normalAt((half_sheet - hits.x[i]) * hits.ix[i]).distribution -
-                    normalAt((-half_sheet - hits.x[i]) * hits.ix[i]).distribution;
-    const float y = normalAt((half_sheet - hits.y[i]) * hits.iy[i]).distribution -
-                    normalAt((-half_sheet - hits.y[i]) * hits.iy[i]).distribution;
+    const float from_x = hits.x[i] < 0.0F ? -hits.x[i] : hits.x[i], from_y = hits.y[i] < 0.0F ? -hits.y[i] : hits.y[i];
+    const float x = normalAt((half_sheet - from_x) * hits.ix[i]).distribution;
+    const float y = normalAt((half_sheet - from_y) * hits.iy[i]).distribution;
     outside[i] += share * (1.0F - x * y);
   }
 }

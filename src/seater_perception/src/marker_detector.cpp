@@ -34,6 +34,16 @@ void refineCorners(const cv::Mat& grey, int window, MarkerCorners& marker) {
   for (std::size_t i = 0; i < 4; ++i) marker.corners[i] = Eigen::Vector2d(points[i].x, points[i].y);
 }
 
+MarkerCorners cornersOf(const PatternReading& reading) {
+  MarkerCorners marker;
+  marker.id = reading.id;
+  marker.corners = reading.corners;
+  marker.code_blur = reading.blur;
+  marker.dark = reading.dark;
+  marker.contrast = reading.contrast;
+  return marker;
+}
+
 /// One marker per id. Two outlines of the same print (its inner and outer contour) overlap: the larger one is the
 /// marker's.
 std::vector<MarkerCorners> uniqueMarkers(const std::vector<MarkerCorners>& found,
@@ -126,9 +136,7 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const Pic
     for (auto& corner : quad) corner += Eigen::Vector2d(region.x, region.y);
     const auto reading = reader.read(picture, quad, parameters.min_evidence);
     if (!reading) continue;
-    MarkerCorners marker;
-    marker.id = reading->id;
-    marker.corners = reading->corners;
+    const MarkerCorners marker = cornersOf(*reading);
     if (marker.side() >= parameters.min_side) markers.push_back(marker);
   }
   return markers;
@@ -201,19 +209,25 @@ std::vector<MarkerCorners> MarkerDetector::follow(const cv::Mat& grey, const std
   if (expected.empty()) return found;
   const PictureLevels picture(grey);
   for (const ExpectedMarker& e : expected) {
+    const auto reading = implementation_->reader.follow(e.id, picture, e.corners, e.reach, min_evidence, e.code_blur);
     std::optional<MarkerCorners> marker;
-    if (const auto reading = implementation_->reader.follow(e.id, picture, e.corners, e.reach, min_evidence)) {
-      marker = MarkerCorners();
-      marker->id = e.id;
-      marker->corners = reading->corners;
-    } else if (e.by_outline) {
+    if (reading)
+      marker = cornersOf(*reading);
+    else if (e.by_outline)
       marker = implementation_->outlineNear(picture, e);
-    }
     if (!marker) continue;
-    implementation_->refine(grey, *marker);
+    if (e.edges || !reading || !(reading->contrast > 0.0)) implementation_->refine(grey, *marker);
     found.push_back(*marker);
   }
   return found;
+}
+
+int MarkerDetector::cells() const {
+  return implementation_->reader.cells();
+}
+
+void MarkerDetector::refine(const cv::Mat& grey, MarkerCorners& marker) const {
+  implementation_->refine(grey, marker);
 }
 
 }  // namespace seater_perception

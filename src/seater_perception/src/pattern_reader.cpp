@@ -46,6 +46,9 @@ std::optional<PatternReading> PatternReader::Implementation::judge(double min_ev
   PatternReading reading;
   reading.id = a.id;
   reading.corners = a.quad;
+  reading.blur = a.blur;
+  reading.dark = a.fit.light[0];
+  reading.contrast = a.moving || a.free.size() > 0 ? 0.0 : a.fit.gain;
   reading.correlation = std::sqrt(std::max(0.0, a.fit.explained));
   if (!aligner.hasBorder(a.samples)) return std::nullopt;
   if (a.fit.quiet < kDarkestQuiet * a.fit.gain || a.fit.quiet > kLightestQuiet * a.fit.gain) return std::nullopt;
@@ -106,12 +109,19 @@ std::optional<PatternReading> PatternReader::read(const PictureLevels& picture, 
 }
 
 std::optional<PatternReading> PatternReader::follow(int id, const PictureLevels& picture, const Quad& corners,
-                                                    double reach, double min_evidence) const {
+                                                    double reach, double min_evidence, int blur) const {
   const Implementation& self = *implementation_;
   if (!self.book.has(id)) return std::nullopt;
   Alignment a;
   a.id = id;
   a.quad = corners;
+  if (blur >= 0 && blur < static_cast<int>(TemplateBook::kBlurs.size())) {
+    Alignment same = a;
+    same.blur = blur;
+    if (self.aligner.align(picture, same)) {
+      if (const auto reading = self.judge(min_evidence, same)) return reading;
+    }
+  }
   if (self.aligner.align(picture, a)) {
     if (const auto reading = self.settle(picture, min_evidence, a)) return reading;
     if (const auto reading = self.moving(picture, min_evidence, a)) return reading;

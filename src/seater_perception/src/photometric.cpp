@@ -12,10 +12,11 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kFineMargin = 0.25;  // [px] the approach ends nearer than this
-constexpr double kNoEnd = 1e6;        // [grey levels] of a sensor that does not clip
-constexpr int kSparse = 1000;         // pixels of an approach
-constexpr int kRounds = 4;            // of collecting pixels: the approach, then again while a marker leaves its band
+constexpr double kFineMargin = 0.25;    // [px] the approach ends nearer than this
+constexpr double kNoEnd = 1e6;          // [grey levels] of a sensor that does not clip
+constexpr int kSparse = 1000;           // pixels of an approach
+constexpr double kClearlyWorse = 30.0;  // of chi-squared: beyond all doubt
+constexpr int kRounds = 4;              // of collecting pixels: the approach, then again while a marker leaves its band
 
 using Blur = PhotometricProblem::Blur;
 using Placements = std::vector<PatternPlacement>;
@@ -125,10 +126,16 @@ struct PhotometricRefiner::Workspace {
   }
 
   /// All fits from where they are to their minima; those that cannot win end at the first look.
-  void finishAll(std::vector<SeedFit>& fits, bool begin) {
+  void finishAll(std::vector<SeedFit>& fits, bool begin, const std::optional<Brightness>& known) {
     const SeedFit* best = nullptr;
     for (SeedFit& fit : fits) {
       if (fit.failed) continue;
+      if (known) {
+        if (begin) fit.start(problem, *known, best);
+        if (!fit.failed) fit.finish(problem);
+        if (!fit.failed && !best) best = &fit;
+        continue;
+      }
       if (begin) fit.start(problem);
       if (!fit.failed) fit.firstLook(problem);
       if (!fit.failed && best && fit.clearlyWorseThan(*best)) {
@@ -143,10 +150,10 @@ struct PhotometricRefiner::Workspace {
 
   std::vector<SeedFit> fitAll(const PhotometricParameters& parameters, const cv::Mat& grey, const CameraModel& camera,
                               const Placements& placements, const std::vector<Eigen::Isometry3d>& seeds,
-                              double known_blur);
+                              const PhotometricStart& start);
   std::vector<SeedFit> fitClipped(const PhotometricParameters& parameters, const cv::Mat& grey,
                                   const CameraModel& camera, const Placements& placements,
-                                  const std::vector<Eigen::Isometry3d>& seeds, double known_blur,
+                                  const std::vector<Eigen::Isometry3d>& seeds, const PhotometricStart& start,
                                   const ClipRange& range);
 };
 
@@ -155,13 +162,13 @@ struct PhotometricRefiner::Workspace {
 std::vector<SeedFit> PhotometricRefiner::Workspace::fitAll(const PhotometricParameters& parameters, const cv::Mat& grey,
                                                            const CameraModel& camera, const Placements& placements,
                                                            const std::vector<Eigen::Isometry3d>& seeds,
-                                                           double known_blur) {
+                                                           const PhotometricStart& start) {
   requirePicture(grey, camera);
   const double limit = parameters.saturation > 0.0 ? parameters.saturation : grey.depth() == CV_16U ? 65535.0 : 255.0;
-  auto fits = fitClipped(parameters, grey, camera, placements, seeds, known_blur, {0.0, limit});
+  auto fits = fitClipped(parameters, grey, camera, placements, seeds, start, {0.0, limit});
   const bool blind = std::any_of(fits.begin(), fits.end(), [](const SeedFit& fit) { return fit.failed && fit.blind; });
   const bool none = std::all_of(fits.begin(), fits.end(), [](const SeedFit& fit) { return fit.failed; });
-  if (blind && none) fits = fitClipped(parameters, grey, camera, placements, seeds, known_blur, {-kNoEnd, kNoEnd});
+  if (blind && none) fits = fitClipped(parameters, grey, camera, placements, seeds, start, {-kNoEnd, kNoEnd});
   return fits;
 }
 
@@ -170,9 +177,9 @@ std::vector<SeedFit> PhotometricRefiner::Workspace::fitClipped(const Photometric
                                                                const cv::Mat& grey, const CameraModel& camera,
                                                                const Placements& placements,
                                                                const std::vector<Eigen::Isometry3d>& seeds,
-                                                               double known_blur, const ClipRange& range) {
-  const bool near = known_blur > 0.0;
-  const double sd = near && parameters.blur != "given" ? known_blur : parameters.blur_sd;
+                                                               const PhotometricStart& start, const ClipRange& range) {
+  const bool near = start.known_blur > 0.0;
+  const double sd = near && parameters.blur != "given" ? start.known_blur : parameters.blur_sd;
   std::vector<SeedFit> fits(seeds.size(), SeedFit(parameters, range));
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     fits[i].state.pose = seeds[i];
@@ -193,7 +200,7 @@ std::vector<SeedFit> PhotometricRefiner::Workspace::fitClipped(const Photometric
       before.push_back(fit.state.pose);
       if (first && !fit.failed) fit.approach(problem);
     }
-    if (!first) finishAll(fits, near && round == 1);
+    if (!first) finishAll(fits, near && round == 1, start.brightness);
     bool again = first;
     for (std::size_t i = 0; i < fits.size(); ++i) {
       if (fits[i].failed) continue;
@@ -218,16 +225,16 @@ PhotometricRefiner::PhotometricRefiner(PhotometricRefiner&&) noexcept = default;
 
 PhotometricResult PhotometricRefiner::refine(const cv::Mat& grey, const CameraModel& camera,
                                              const Placements& placements, const Eigen::Isometry3d& initial) const {
-  return workspace_->fitAll(parameters_, grey, camera, placements, {initial}, 0.0).front().result;
+  return workspace_->fitAll(parameters_, grey, camera, placements, {initial}, {}).front().result;
 }
 
 std::vector<PhotometricBranch> PhotometricRefiner::refineBranches(const cv::Mat& grey, const CameraModel& camera,
                                                                   const Placements& placements,
                                                                   const std::vector<Eigen::Isometry3d>& seeds,
-                                                                  double known_blur) const {
+                                                                  const PhotometricStart& start) const {
   std::vector<PhotometricBranch> branches;
   double sd = std::numeric_limits<double>::infinity();
-  for (const SeedFit& fit : workspace_->fitAll(parameters_, grey, camera, placements, seeds, known_blur)) {
+  for (const SeedFit& fit : workspace_->fitAll(parameters_, grey, camera, placements, seeds, start)) {
     branches.push_back({fit.result, 0.0, 0.0, fit.hopeless});
     if (fit.result.converged) sd = std::min(sd, fit.result.noise_sd);
   }
@@ -239,6 +246,8 @@ std::vector<PhotometricBranch> PhotometricRefiner::refineBranches(const cv::Mat&
     best = std::min(best, b.chi_square);
   }
   for (PhotometricBranch& b : branches) {
+    // What the first look would have given up.
+    if (start.brightness && b.result.converged && b.chi_square - best > kClearlyWorse) b.result.converged = false;
     if (b.result.converged) sum += b.weight = std::exp(-0.5 * (b.chi_square - best));
   }
   for (PhotometricBranch& b : branches) b.weight = sum > 0.0 ? b.weight / sum : 0.0;

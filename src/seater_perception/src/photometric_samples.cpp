@@ -12,9 +12,8 @@ namespace {
 constexpr double kBoxVariance = 1.0 / 12.0;
 constexpr double kSubVariance = 0.0645497224;  // of the four rays of a pixel: sqrt(1 / 240)
 constexpr double kNarrowBlur = 0.45;           // [px] below, the box's own shape shows: 0.3 % of the contrast
-constexpr double kFeltReach = 3.4;             // [standard deviations] beyond it a border is not felt: 3e-4
+constexpr double kFeltReach = 3.2;             // [standard deviations] beyond it a border is not felt: 7e-4
 constexpr double kSheetReach = 2.2;  // [standard deviations] from the sheet's end, its surroundings are hardly felt
-constexpr int kTableRing = 8;        // [cells] beyond the pattern, in the table of what borders look like
 constexpr int kBuckets = 4;          // pixels are dealt into so many, one after the other
 
 /// How many borders along an axis each pixel has to look at: nearest ones of this blur [cells], which is `off` wrong.
@@ -36,20 +35,13 @@ void resize(PixelBatch& batch, int count, int borders, bool bent) {
   batch.pattern.resize(n * static_cast<std::size_t>(batch.planes()));
 }
 
-/// The pattern round borders column ... and row ... (first ones), see PixelBatch::pattern.
-void patternAt(const MarkerPattern& pattern, int column, int row, int K, float* out) {
-  const int n = pattern.cells();
-  const auto cell = [&](int c, int r) {
-    return static_cast<float>(pattern.at(std::clamp(c, -1, n), std::clamp(r, -1, n)));
-  };
-  *out++ = cell(column - 1, row - 1);
-  for (int k = 0; k < K; ++k) *out++ = cell(column + k, row - 1) - cell(column + k - 1, row - 1);
-  for (int k = 0; k < K; ++k) *out++ = cell(column - 1, row + k) - cell(column - 1, row + k - 1);
-  for (int b = 0; b < K; ++b) {
-    for (int a = 0; a < K; ++a) {
-      *out++ = cell(column + a, row + b) - cell(column + a - 1, row + b) - cell(column + a, row + b - 1) +
-               cell(column + a - 1, row + b - 1);
-    }
+/// The pattern round borders, from the cell before the first ones in a table of cells; see PixelBatch::pattern.
+void patternAt(const float* cell, int side, int K, float* out) {
+  *out++ = *cell;
+  for (int k = 0; k < K; ++k) *out++ = cell[k + 1] - cell[k];
+  for (int k = 0; k < K; ++k) *out++ = cell[(k + 1) * side] - cell[k * side];
+  for (int b = 0; b < K; ++b, cell += side) {
+    for (int a = 0; a < K; ++a) *out++ = cell[side + a + 1] - cell[side + a] - cell[a + 1] + cell[a];
   }
 }
 
@@ -105,11 +97,19 @@ void SampleCollector::collect(const cv::Mat& grey, const CameraModel& camera, co
 }
 
 void SampleCollector::tabulate(const MarkerPattern& pattern, const PixelBatch& batch) {
-  const int side = pattern.cells() + 2 * kTableRing + 1, planes = batch.planes();
+  const int side = pattern.cells() + 2 * ring_ + 1, planes = batch.planes();
   table_.resize(static_cast<std::size_t>(side * side * planes));
+  // From one cell before the first border to all that follow the last one.
+  const int n = pattern.cells(), along = side + batch.borders;
+  cells_.resize(static_cast<std::size_t>(along * along));
+  for (int row = 0, i = 0; row < along; ++row) {
+    const int r = std::clamp(row - ring_ - 1, -1, n);
+    for (int column = 0; column < along; ++column, ++i)
+      cells_[static_cast<std::size_t>(i)] = static_cast<float>(pattern.at(std::clamp(column - ring_ - 1, -1, n), r));
+  }
   for (int row = 0; row < side; ++row) {
     for (int column = 0; column < side; ++column) {
-      patternAt(pattern, column - kTableRing, row - kTableRing, batch.borders,
+      patternAt(cells_.data() + row * along + column, along, batch.borders,
                 table_.data() + static_cast<std::size_t>((row * side + column) * planes));
     }
   }
@@ -121,6 +121,11 @@ void SampleCollector::fill(const cv::Mat& grey, const CameraModel& camera, const
   const int count = static_cast<int>(std::min<std::int64_t>(all, most));
   PixelBatch& batch = samples.batch;
   resize(batch, count, batch.borders, !grid_.linear());
+  float farthest = 0.0F;  // beyond the pattern
+  for (const PixelCandidate& c : candidates_) {
+    farthest = std::max({farthest, -std::min(c.x, c.y), std::max(c.x, c.y) - static_cast<float>(pattern.cells())});
+  }
+  ring_ = static_cast<int>(std::ceil(farthest + 0.5F * static_cast<float>(batch.borders))) + 1;
   tabulate(pattern, batch);
   const double half = 0.5 * std::max(box.u1 - box.u0, box.v1 - box.v0);
   const double mu = 0.5 * (box.u0 + box.u1), mv = 0.5 * (box.v0 + box.v1);
@@ -148,15 +153,16 @@ void SampleCollector::fill(const cv::Mat& grey, const CameraModel& camera, const
 
 /// First borders and pattern of each pixel.
 void SampleCollector::fillPattern(int cells, PixelBatch& batch) {
-  const int side = cells + 2 * kTableRing + 1, planes = batch.planes();
+  const int side = cells + 2 * ring_ + 1, planes = batch.planes();
   const float centre = 0.5F * static_cast<float>(cells), before = 0.5F * static_cast<float>(batch.borders);
+  const auto ring = static_cast<float>(ring_);
   for (std::size_t i = 0; i < order_.size(); ++i) {
     const PixelCandidate& c = candidates_[static_cast<std::size_t>(order_[i])];
-    // Nearest ones: floor of what is above -kTableRing.
-    const int column = static_cast<int>(c.x - before + 1.0F + kTableRing);
-    const int row = static_cast<int>(c.y - before + 1.0F + kTableRing);
-    batch.column[i] = static_cast<float>(column - kTableRing) - centre;
-    batch.row[i] = static_cast<float>(row - kTableRing) - centre;
+    // Nearest ones: floor of what is above -ring_.
+    const int column = static_cast<int>(c.x - before + 1.0F + ring);
+    const int row = static_cast<int>(c.y - before + 1.0F + ring);
+    batch.column[i] = static_cast<float>(column - ring_) - centre;
+    batch.row[i] = static_cast<float>(row - ring_) - centre;
     const float* from = table_.data() + static_cast<std::size_t>((row * side + column) * planes);
     float* to = batch.pattern.data() + i;
     for (int k = 0; k < planes; ++k, to += batch.padded) *to = from[k];

@@ -132,33 +132,37 @@ const MarkerPattern& PatternBook::of(int id) {
 
 bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const MarkerPattern& pattern,
                            const PhotometricRefiner& refiner, const PosePrior& prior, const PoseParameters& parameters,
-                           DetectedMarker& marker) {
+                           DetectedMarker& marker, bool followed) {
   const std::vector<PatternPlacement> placement{{pattern, marker.size, Eigen::Isometry3d::Identity()}};
   const double explained = marker.image.side() < kLargeSide ? kExplainedSmall : kExplainedLarge;
-  const double blur = marker.image.edges_fitted ? marker.image.blur_sd : 0.0;
+  const double blur = marker.image.edges_fitted || followed ? marker.image.blur_sd : 0.0;
   const double full_scale = grey.depth() == CV_16U ? 65535.0 : 255.0;
-  double misfit = 0.0;
+  std::optional<Brightness> known;
+  if (followed) known = Brightness{true, marker.image.dark, marker.image.contrast, 0.0, 0.0, 0.0};
+  double misfit = 0.0, fitted_blur = 0.0;
   std::vector<PhotometricBranch> branches;
   const auto fitSeeds = [&](const PhotometricRefiner& by, const std::vector<Eigen::Isometry3d>& seeds,
-                            double known_blur) {
-    branches = by.refineBranches(grey, camera, placement, seeds, known_blur);
+                            const PhotometricStart& start) {
+    branches = by.refineBranches(grey, camera, placement, seeds, start);
     double best = std::numeric_limits<double>::infinity();
     for (auto& b : branches) {
       b.result.converged = b.result.converged && plausible(b.result, marker.image.side(), pattern.cells(), full_scale);
       if (!b.result.converged || b.chi_square >= best) continue;
       best = b.chi_square;
       misfit = b.result.flat_noise > 0.0 ? b.result.noise_sd / b.result.flat_noise : 0.0;
+      fitted_blur = b.result.blur_sd;
     }
     return distinct(branches, explained);
   };
   const auto fit = [&](const PhotometricRefiner& by, double known_blur) {
-    auto found = fitSeeds(by, openSeeds(marker), known_blur);
+    auto found = fitSeeds(by, openSeeds(marker), {known_blur, known});
     if (!otherBranchOpen(marker, branches, found)) return found;
-    const auto both =
-        fitSeeds(by, steepSeeds(found.front().pose), known_blur > 0.0 ? known_blur : by.parameters().blur_sd);
+    const double near_blur = known_blur > 0.0 ? known_blur : by.parameters().blur_sd;
+    const auto both = fitSeeds(by, steepSeeds(found.front().pose), {near_blur, std::nullopt});
     return both.empty() ? found : both;
   };
   auto hypotheses = fit(refiner, blur);
+  if (followed && (hypotheses.empty() || misfit > kMisfit)) return false;
   if (hypotheses.empty() && blur > 0.0) hypotheses = fit(refiner, 0.0);
   if (hypotheses.empty() && marker.image.side() > kLargeSide) {
     // The quiet zone may be darker than the print's white (cut close and pasted on a wall): the print alone, then.
@@ -185,6 +189,7 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
   const double contradiction = kContradiction * parameters.corner_sigma;
   if (marker.image.edges_fitted && misfit > kMisfit && hypotheses.front().error > contradiction) return true;
   marker.hypotheses = hypotheses;
+  marker.image.blur_sd = fitted_blur;
   placeCorners(camera, hypotheses.front(), parameters.corner_sigma, marker);
   marker.ambiguity = 0.0;
   if (hypotheses.size() > 1) {
@@ -213,7 +218,7 @@ void refineBundle(const cv::Mat& grey, const CameraModel& camera, PatternBook& p
     if (m.image.blur_sd > 0.0) blur += m.image.blur_sd, fitted += 1.0;
   }
   const auto branches = refiner.refineBranches(grey, camera, placements, seeds,
-                                               fitted > 0.0 ? blur / fitted : refiner.parameters().blur_sd);
+                                               {fitted > 0.0 ? blur / fitted : refiner.parameters().blur_sd, {}});
   auto hypotheses = distinct(branches, kExplainedLarge);
   const auto ids = dock.front().marker_ids;
   Correspondences corners;

@@ -1,6 +1,5 @@
 // The normal equations of a photometric fit, solved.
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "photometric_limits.h"
@@ -9,10 +8,10 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kSmallestEigenvalue = 1e-10;  // of the normal matrix scaled to a unit diagonal
-constexpr double kLimited = 1e-9;              // [px^2]
-constexpr double kLargestTurn = 0.5;           // [rad] of a step
-constexpr double kLargestMove = 0.5;           // of the distance
+constexpr double kLargestInverse = 1e10;  // trace of the inverse of the normal matrix scaled to a unit diagonal
+constexpr double kLimited = 1e-9;         // [px^2]
+constexpr double kLargestTurn = 0.5;      // [rad] of a step
+constexpr double kLargestMove = 0.5;      // of the distance
 
 }  // namespace
 
@@ -121,10 +120,10 @@ std::optional<Matrix6d> PhotometricProblem::inversePoseInformation() const {
   const Shared H = reduced(0.0, right);
   const SharedVector scale = H.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Shared scaled = scale.asDiagonal() * H * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Shared> solver(scaled);
-  if (solver.info() != Eigen::Success || !(solver.eigenvalues()[0] > kSmallestEigenvalue)) return std::nullopt;
-  const Shared inverse =
-      solver.eigenvectors() * solver.eigenvalues().cwiseInverse().asDiagonal() * solver.eigenvectors().transpose();
+  const Eigen::LLT<Shared> factor(scaled);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  const Shared inverse = factor.solve(Shared::Identity(scaled.rows(), scaled.cols()));
+  if (!(inverse.trace() < kLargestInverse)) return std::nullopt;
   const Matrix6d result = scale.head<6>().asDiagonal() * inverse.topLeftCorner<6, 6>() * scale.head<6>().asDiagonal();
   if (!result.allFinite()) return std::nullopt;
   return Matrix6d(0.5 * (result + result.transpose()));

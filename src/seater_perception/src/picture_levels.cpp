@@ -5,6 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "seater_perception/fast_normal.h"
+
 namespace seater_perception {
 namespace {
 
@@ -17,11 +19,17 @@ constexpr float kNearestPlane = 0.05f;  // of the homography's third coordinate
 
 PictureLevels::PictureLevels(const cv::Mat& grey) {
   levels_.push_back(grey);
-  while (levels_.size() < kMostLevels && std::min(levels_.back().cols, levels_.back().rows) >= 2 * kSmallestLevel) {
+  for (int length = std::min(grey.cols, grey.rows); most_ < kMostLevels && length >= 2 * kSmallestLevel; ++most_)
+    length = (length + 1) / 2;
+}
+
+const cv::Mat& PictureLevels::level(std::size_t number) const {
+  while (levels_.size() <= number) {
     cv::Mat coarser;
     cv::pyrDown(levels_.back(), coarser, cv::Size(), cv::BORDER_REPLICATE);
     levels_.push_back(coarser);
   }
+  return levels_[number];
 }
 
 // Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989: the unit square to a quadrilateral.
@@ -63,39 +71,127 @@ bool greyAt(const cv::Mat& picture, const Eigen::Vector3f& p, float& grey) {
   return true;
 }
 
+constexpr int kMostInRow = 64;
+
+/// Points of a row of the grid in the picture: number of the upper left pixel, and how far beyond it.
+struct RowPlaces {
+  alignas(64) float s[kMostInRow], t[kMostInRow];
+  alignas(64) int pixel[kMostInRow];
+};
+
+/// At H0 * x + across, for n points; false when one of them may be out of the picture.
+SEATER_VECTOR_CLONES bool place(const float* x, int n, const float* H0, const float* across, int width, int height,
+                                int step, RowPlaces& __restrict places) {
+  const float last_u = static_cast<float>(width) - 1.0f, last_v = static_cast<float>(height) - 1.0f;
+  const float a0 = H0[0], a1 = H0[1], a2 = H0[2], b0 = across[0], b1 = across[1], b2 = across[2];
+  int outside = 0;
+  for (int i = 0; i < n; ++i) {
+    const float z = a2 * x[i] + b2, inverse = 1.0f / z;
+    const float u = (a0 * x[i] + b0) * inverse, v = (a1 * x[i] + b1) * inverse;
+    const int in = static_cast<int>(z > kNearestPlane) & static_cast<int>(u >= 0.0f) & static_cast<int>(v >= 0.0f) &
+                   static_cast<int>(u < last_u) & static_cast<int>(v < last_v);
+    outside |= 1 - in;
+    const float safe_u = in ? u : 0.0f, safe_v = in ? v : 0.0f;
+    const int column = static_cast<int>(safe_u), row = static_cast<int>(safe_v);
+    places.s[i] = safe_u - static_cast<float>(column);
+    places.t[i] = safe_v - static_cast<float>(row);
+    places.pixel[i] = row * step + column;
+  }
+  return outside == 0;
+}
+
+/// Bilinear.
+float greyAt(const uchar* picture, std::size_t step, const RowPlaces& places, int i) {
+  const uchar *top = picture + places.pixel[i], *below = top + step;
+  const float s = places.s[i];
+  const float a = static_cast<float>(top[0]) + s * static_cast<float>(top[1] - top[0]);
+  const float b = static_cast<float>(below[0]) + s * static_cast<float>(below[1] - below[0]);
+  return a + places.t[i] * (b - a);
+}
+
+/// Samples under H, one point at each of the grid's or four round it (`apart` > 0).
+class Sampler {
+ public:
+  Sampler(const cv::Mat& picture, const Eigen::Matrix3f& H, const PatternGrid& grid, float apart)
+      : picture_(picture), H_(H), grid_(grid), apart_(apart), several_(apart > 0.0f), length_(grid.along()) {
+    if (several_) length_ *= 2;
+    for (int i = 0; i < std::min(length_, kMostInRow); ++i)
+      x_[i] = several_ ? grid.x(i / 2) + (i % 2 ? apart : -apart) : grid.x(i);
+  }
+
+  /// A row that lies within the picture as a whole; else false.
+  bool whole(int row, float* grey) const {
+    if (length_ > kMostInRow) return false;
+    const auto step = static_cast<std::size_t>(picture_.step[0]);
+    for (int line = 0; line < (several_ ? 2 : 1); ++line) {
+      const float y = grid_.y(row) + (several_ ? (line == 0 ? -apart_ : apart_) : 0.0f);
+      const Eigen::Vector3f across = H_.col(1) * y + H_.col(2);
+      RowPlaces places;
+      if (!place(x_, length_, H_.data(), across.data(), picture_.cols, picture_.rows, static_cast<int>(step), places))
+        return false;
+      for (int k = 0; k < grid_.along(); ++k) {
+        if (!several_) {
+          grey[k] = greyAt(picture_.data, step, places, k);
+        } else {
+          const float two = greyAt(picture_.data, step, places, 2 * k) + greyAt(picture_.data, step, places, 2 * k + 1);
+          grey[k] = line == 0 ? 0.25f * two : grey[k] + 0.25f * two;
+        }
+      }
+    }
+    return true;
+  }
+
+  /// One point, which may be out of the picture.
+  bool single(int row, int column, float& grey) const {
+    const Eigen::Vector3f p = H_.col(0) * grid_.x(column) + H_.col(1) * grid_.y(row) + H_.col(2);
+    if (!several_) return greyAt(picture_, p, grey);
+    const Eigen::Vector3f right = apart_ * H_.col(0), down = apart_ * H_.col(1);
+    float a = 0.0f, b = 0.0f, c = 0.0f, d = 0.0f;
+    if (!greyAt(picture_, p + right + down, a) || !greyAt(picture_, p + right - down, b) ||
+        !greyAt(picture_, p - right + down, c) || !greyAt(picture_, p - right - down, d))
+      return false;
+    grey = 0.25f * (a + b + c + d);
+    return true;
+  }
+
+ private:
+  const cv::Mat& picture_;
+  const Eigen::Matrix3f& H_;
+  const PatternGrid& grid_;
+  const float apart_;
+  const bool several_;
+  int length_;  // points in a line
+  float x_[kMostInRow];
+};
+
 }  // namespace
 
 void PictureLevels::sample(const Quad& quad, const PatternGrid& grid, Samples& samples) const {
   const double cell = meanSide(quad) / grid.cells();
-  const bool several = cell >= kSeveralFrom;
-  std::size_t level = 0;
-  while (level + 1 < levels_.size() && cell >= 2.0 * kSeveralFrom * (1 << level)) ++level;
-  const cv::Mat& picture = levels_[level];
-  const double scale = 1.0 / (1 << level);
+  std::size_t number = 0;
+  while (number + 1 < most_ && cell >= 2.0 * kSeveralFrom * (1 << number)) ++number;
+  const double scale = 1.0 / (1 << number);
   // Pixel i of a level lies over pixel 2 i of the finer one.
   const Eigen::Matrix3f H =
       (Eigen::Vector3d(scale, scale, 1.0).asDiagonal() * SquareToQuad(quad).matrix()).cast<float>();
-  const float apart = kApart * 2.0f / static_cast<float>(grid.cells());
-  const Eigen::Vector3f right = apart * H.col(0), down = apart * H.col(1);
+  const Sampler sampler(level(number), H, grid,
+                        cell >= kSeveralFrom ? kApart * 2.0f / static_cast<float>(grid.cells()) : 0.0f);
   samples.grey.setZero(grid.size());
   samples.weights.setZero(grid.size());
   samples.seen = 0;
-  for (int row = 0, i = 0; row < grid.along(); ++row) {
-    const Eigen::Vector3f across = H.col(1) * grid.y(row) + H.col(2);
-    for (int column = 0; column < grid.along(); ++column, ++i) {
-      const Eigen::Vector3f p = H.col(0) * grid.x(column) + across;
-      float a = 0.0f, b = 0.0f, c = 0.0f, d = 0.0f;
-      if (several) {
-        if (!greyAt(picture, p + right + down, a) || !greyAt(picture, p + right - down, b) ||
-            !greyAt(picture, p - right + down, c) || !greyAt(picture, p - right - down, d))
-          continue;
-        samples.grey[i] = 0.25f * (a + b + c + d);
-      } else {
-        if (!greyAt(picture, p, a)) continue;
-        samples.grey[i] = a;
-      }
-      samples.weights[i] = 1.0f;
-      ++samples.seen;
+  for (int row = 0; row < grid.along(); ++row) {
+    const int first = row * grid.along();
+    if (sampler.whole(row, samples.grey.data() + first)) {
+      samples.weights.segment(first, grid.along()).setOnes();
+      samples.seen += grid.along();
+      continue;
+    }
+    for (int column = 0; column < grid.along(); ++column) {
+      float grey = 0.0f;
+      const bool seen = sampler.single(row, column, grey);
+      samples.grey[first + column] = seen ? grey : 0.0f;
+      samples.weights[first + column] = seen ? 1.0f : 0.0f;
+      samples.seen += seen ? 1 : 0;
     }
   }
 }

@@ -45,7 +45,7 @@ bool SeedFit::descend(PhotometricProblem& problem, RobustLoss loss, double tukey
       stretch = std::clamp(before.weights / before.slopes, 1.0, kLargestStretch);
     const auto next = problem.step(state, damping, stretch, length);
     last_length_ = length / stretch;
-    if (next && length < (settled ? kSettledTolerance : 1.0) * done * scale_ * scale_) {
+    if (next && !scale_guessed_ && length < (settled ? kSettledTolerance : 1.0) * done * scale_ * scale_) {
       state = *next;
       return true;
     }
@@ -59,6 +59,7 @@ bool SeedFit::descend(PhotometricProblem& problem, RobustLoss loss, double tukey
     if (better) {
       state = *next;
       damping = damping < 1e-4 ? 0.0 : 0.1 * damping;
+      scale_guessed_ = false;
       // With a scale that goes on changing, outliers near its limit could keep the fit from ever ending.
       if (++accepted < kSettled)
         scale_ = std::clamp(problem.spread(0.5), smallestScale(), std::max(smallestScale(), largest_scale_));
@@ -96,6 +97,20 @@ void SeedFit::start(PhotometricProblem& problem) {
   problem.startBrightness(state);
   const double noise = problem.flatNoise();
   scale_ = noise > 0.0 ? kLargestScale * std::max(kQuantisation, noise) : kUnknownNoise;
+}
+
+void SeedFit::start(PhotometricProblem& problem, const Brightness& known, const SeedFit* other) {
+  if (problem.pixels() < kFewestEdgePixels) return fail("too few pixels in the picture");
+  const double noise = problem.flatNoise();
+  scale_ = noise > 0.0 ? kLargestScale * std::max(kQuantisation, noise) : kUnknownNoise;
+  scale_guessed_ = true;
+  state.brightness = {known};
+  if (other) {
+    state.brightness = other->state.brightness;
+    state.blur = other->state.blur;
+    scale_ = other->scale_;
+  }
+  boundScale(problem);
 }
 
 double SeedFit::contrast() const {

@@ -31,6 +31,9 @@ class SeedFit {
   void approach(PhotometricProblem& problem);
   /// Instead, from a seed within a tenth of a pixel: what the residuals are like follows from the noise.
   void start(PhotometricProblem& problem);
+  /// The same when the brightness is known from elsewhere, or brightness and blur from another seed's finished fit (may
+  /// be null) of the same pixels; `finish` may follow at once.
+  void start(PhotometricProblem& problem, const Brightness& known, const SeedFit* other);
   /// On the first look's part of the pixels, with Tukey's loss, which forgets outliers. Keeps loss and pose for
   /// clearlyWorseThan and sameAs.
   void firstLook(PhotometricProblem& problem);
@@ -53,6 +56,7 @@ class SeedFit {
   ClipRange range_;
   double scale_ = 1e4;  // noise that the loss is measured with [grey levels]
   double largest_scale_ = 1e4;
+  bool scale_guessed_ = false;  // nothing has been seen yet that tells it
   int budget_ = 0;
   double last_length_ = 0.0;  // of the step that followed the last evaluation [grey levels^2]
   double look_cost_ = 0.0;    // of the first look [grey levels^2]

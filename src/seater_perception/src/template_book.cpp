@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/aruco.hpp>
 
+#include "column_products.h"
 #include "seater_perception/dock_layout.h"
 
 namespace seater_perception {
@@ -76,7 +77,10 @@ std::vector<TemplateBook::Candidate> TemplateBook::compare(const PictureLevels::
   const Eigen::VectorXf rest = samples.grey - seen * light;
   const float length = rest.norm();
   if (!(length > 0.0f) || !std::isfinite(length)) return best;
-  const Eigen::VectorXf all = codes(blur).transpose() * rest / length;
+  const Eigen::MatrixXf& known = codes(blur);
+  Eigen::VectorXf all(known.cols());
+  columnDots(known.data(), static_cast<int>(known.rows()), static_cast<int>(known.cols()), rest.data(), all.data());
+  all /= length;
   std::vector<int> order(static_cast<std::size_t>(all.size()));
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
   count = std::min(count, order.size());

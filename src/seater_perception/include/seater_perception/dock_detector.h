@@ -1,5 +1,8 @@
 #pragma once
 
+#include <map>
+#include <optional>
+#include <set>
 #include <vector>
 
 #include "seater_perception/camera_model.h"
@@ -38,8 +41,10 @@ class DockDetector {
   /// The picture has to be CV_8UC1 and of the camera's size; every number of the result is finite. Throws PictureError.
   DetectionResult detect(const cv::Mat& grey) const;
 
-  /// Poses of markers that have been found in this picture, and of the dock. Throws PictureError.
-  DetectionResult evaluate(const cv::Mat& grey, const std::vector<MarkerCorners>& found) const;
+  /// Poses of markers that have been found in this picture, and of the dock. `last`: markers of the picture before, by
+  /// id, where they are expected in this one (their poses, that is): fits begin there. Throws PictureError.
+  DetectionResult evaluate(const cv::Mat& grey, const std::vector<MarkerCorners>& found,
+                           const std::map<int, DetectedMarker>& last = {}) const;
 
   const MarkerDetector& markerDetector() const { return detector_; }
   const PerceptionParameters& parameters() const { return parameters_; }
@@ -49,7 +54,10 @@ class DockDetector {
 
  private:
   PosePrior priorOf(int id) const;
-  void refineMarkers(const cv::Mat& grey, DetectionResult& result) const;
+  std::optional<DetectedMarker> expected(const MarkerCorners& found, const std::map<int, DetectedMarker>& last) const;
+  void keepDecided(const std::vector<DockHypothesis>& dock, DetectedMarker& marker) const;
+  void refineMarkers(const cv::Mat& grey, const std::set<int>& followed, DetectionResult& result) const;
+  bool startAgain(const cv::Mat& grey, DetectedMarker& marker) const;
 
   CameraModel camera_;
   DockLayout layout_;

@@ -36,6 +36,7 @@ class DockTracker {
   std::optional<Corners> project(const Eigen::Isometry3d& T_optical_marker, double size) const;
   std::vector<MarkerCorners> follow(const cv::Mat& grey, const std::map<int, Corners>& predicted,
                                     std::vector<MarkerCorners> found) const;
+  std::map<int, DetectedMarker> lastMarkers(const std::optional<Eigen::Isometry3d>& T_now_last) const;
 
   DockDetector detector_;
   TrackingParameters parameters_;

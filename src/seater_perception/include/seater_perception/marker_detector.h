@@ -23,8 +23,10 @@ struct MarkerCorners {
   std::array<Eigen::Vector2d, 4> corners;
   bool edges_fitted =
       false;  ///< true: corners are intersections of fitted edges; false: of the code or cornerSubPix, less accurate
-  double corner_sigma = 0.0;  ///< standard deviation of a corner coordinate; 0: as the parameters say [px]
-  double blur_sd = 0.0;       ///< of the lens, from the fitted edges; 0: not known [px]
+  double corner_sigma = 0.0;          ///< standard deviation of a corner coordinate; 0: as the parameters say [px]
+  double blur_sd = 0.0;               ///< of the lens, from fitted edges or grey levels; 0: not known [px]
+  int code_blur = -1;                 ///< PatternReading::blur; -1: not known
+  double dark = 0.0, contrast = 0.0;  ///< as of PatternReading; contrast 0: not to be relied on
 
   double side() const;     ///< mean side [px]
   double minSide() const;  ///< shortest side [px]
@@ -37,6 +39,8 @@ struct ExpectedMarker {
   std::array<Eigen::Vector2d, 4> corners;  ///< as of MarkerCorners [px]
   double reach = 0.0;                      ///< how far away it is looked for [px]; 0: only there
   bool by_outline = true;                  ///< and by its outline, when its code does not show there
+  int code_blur = -1;                      ///< as of MarkerCorners in the last picture; -1: not known
+  bool edges = true;                       ///< false: no edges are fitted where the code shows clearly
 };
 
 /// Finds markers of one dictionary and refines their corners. Outlines and ids come from findQuads and PatternReader
@@ -60,6 +64,11 @@ class MarkerDetector {
   /// Throws PictureError.
   std::vector<MarkerCorners> follow(const cv::Mat& grey, const std::vector<ExpectedMarker>& expected,
                                     double min_evidence) const;
+
+  int cells() const;  ///< along a marker's side, border included
+
+  /// Refines a found marker's corners, as `detect` does.
+  void refine(const cv::Mat& grey, MarkerCorners& marker) const;
 
  private:
   struct Implementation;

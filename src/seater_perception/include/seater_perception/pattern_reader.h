@@ -24,6 +24,9 @@ struct PatternReading {
   /// -log((1 - correlation^2) worst_bit): both together. What only resembles a marker has one of them at most.
   /// Each sample left out as covered counts 0.25 against it.
   double evidence = 0.0;
+  int blur = -1;  ///< of the fitted code: number of TemplateBook::kBlurs
+  /// Grey level of its ink, and of its paper over that; contrast 0: a part is covered, or the picture moved.
+  double dark = 0.0, contrast = 0.0;
 };
 
 /// Compares quadrilaterals with the codes of a dictionary. Grey levels are taken at four points of each cell and in the
@@ -43,9 +46,9 @@ class PatternReader {
   std::optional<PatternReading> read(const PictureLevels& picture, const Quad& quad, double min_evidence) const;
 
   /// A known code whose corners are about here (in the print's order), at most `reach` [px] away (0: only what the fit
-  /// itself reaches, about a third of a cell).
+  /// itself reaches, about a third of a cell). `blur`: of its reading in the last picture, tried first; -1: not known.
   std::optional<PatternReading> follow(int id, const PictureLevels& picture, const Quad& corners, double reach,
-                                       double min_evidence) const;
+                                       double min_evidence, int blur = -1) const;
 
   int cells() const;
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,16 @@ struct PhotometricBranch {
   bool hopeless = false;  ///< a first look showed that it is clearly worse than another
 };
 
+/// What is known before a fit begins.
+struct PhotometricStart {
+  /// [px] lens blur; > 0: the seeds are exact to about 0.1 px and nothing is covered, so that the first, careful
+  /// approach is left out; 0: the parameters' blur, and the seeds are as for `refine`.
+  double known_blur = 0.0;
+  /// Of one marker, from other sources; then every seed is believed to be near a minimum, and none is given up at a
+  /// first look.
+  std::optional<Brightness> brightness;
+};
+
 /// Fits the pose of printed markers to the grey levels of a picture: every pixel near a cell border is compared with
 /// the pattern smoothed by pixel area and lens blur, and the weighted squares of the differences are minimised over
 /// pose, brightness and, if wanted, blur (Levenberg-Marquardt, first with Huber's, then with Tukey's weights: Huber,
@@ -76,13 +87,10 @@ class PhotometricRefiner {
   /// exp(-chi^2 / 2), all on the same pixels, with the best one's noise. Results that did not converge get weight 0,
   /// and so do those that a first look at a part of the pixels shows to be hopeless or the same as an earlier one. Sum
   /// 1 unless none converged.
-  ///
-  /// `known_blur` [px]: the lens blur to begin with, when the seeds are exact to about 0.1 px and nothing is covered,
-  /// so that the first, careful approach is left out; 0: the parameters' blur, and the seeds are as for `refine`.
   std::vector<PhotometricBranch> refineBranches(const cv::Mat& grey, const CameraModel& camera,
                                                 const std::vector<PatternPlacement>& placements,
                                                 const std::vector<Eigen::Isometry3d>& seeds,
-                                                double known_blur = 0.0) const;
+                                                const PhotometricStart& start = {}) const;
 
   const PhotometricParameters& parameters() const { return parameters_; }
 

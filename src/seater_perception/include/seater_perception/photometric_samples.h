@@ -47,7 +47,9 @@ class SampleCollector {
   RayGrid grid_;
   std::vector<PixelCandidate> candidates_;
   std::vector<int> order_;    // of the candidates in the batch
-  std::vector<float> table_;  // PixelBatch::pattern for all places of the borders
+  std::vector<float> table_;  // PixelBatch::pattern for all places of the borders, up to
+  std::vector<float> cells_;  // of which it is made
+  int ring_ = 0;              // so far beyond the pattern [cells]
 };
 
 }  // namespace seater_perception

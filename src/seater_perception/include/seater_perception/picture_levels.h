@@ -11,8 +11,8 @@
 namespace seater_perception {
 
 /// A CV_8UC1 picture and its halvings, smoothed so that a level can be sampled anywhere (P. Burt and E. Adelson, "The
-/// Laplacian pyramid as a compact image code", 1983). Holds no copy of the picture: it has to outlive
-/// this.
+/// Laplacian pyramid as a compact image code", 1983), made when they are needed. Holds no copy of the picture: it has
+/// to outlive this. Not thread-safe.
 class PictureLevels {
  public:
   explicit PictureLevels(const cv::Mat& grey);
@@ -31,7 +31,10 @@ class PictureLevels {
   void sample(const Quad& quad, const PatternGrid& grid, Samples& samples) const;
 
  private:
-  std::vector<cv::Mat> levels_;
+  const cv::Mat& level(std::size_t number) const;
+
+  mutable std::vector<cv::Mat> levels_;
+  std::size_t most_ = 1;
 };
 
 /// The point of the quadrilateral's plane at (x, y) of the square -1 .. 1.
