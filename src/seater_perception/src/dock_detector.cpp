@@ -56,9 +56,10 @@ std::optional<DetectedMarker> DockDetector::expected(const MarkerCorners& found,
   return usable ? marker : std::nullopt;
 }
 
-DetectionResult DockDetector::evaluate(const cv::Mat& grey, const std::vector<MarkerCorners>& found,
+DetectionResult DockDetector::evaluate(const cv::Mat& picture, const std::vector<MarkerCorners>& found,
                                        const std::map<int, DetectedMarker>& last) const {
-  checkPicture(grey, camera_);
+  checkPicture(picture, camera_);
+  const cv::Mat grey = withoutShadows(picture, found);
   DetectionResult result;
   std::set<int> followed;
   for (const MarkerCorners& corners : found) {

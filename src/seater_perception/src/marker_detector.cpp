@@ -18,6 +18,9 @@ namespace {
 
 constexpr double kCoarseBand = 0.25;  // [cells] half width of the band for corners that are still some pixels off
 constexpr int kSmallestRegion = 12;   // [px]
+// [px] of the threshold, where a wider one finds nothing: there the edge of a strong shadow grows together with the
+// print's border.
+constexpr int kNarrowWindow = 7;
 
 /// Half window of the refinement [px]: a fixed part of the marker's shortest cell.
 int cornerWindow(const MarkerCorners& marker, int cells, const DetectorParameters& parameters) {
@@ -86,14 +89,27 @@ Eigen::Vector2d MarkerCorners::centre() const {
   return 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
 }
 
+cv::Mat withoutShadows(const cv::Mat& grey, const std::vector<MarkerCorners>& markers) {
+  cv::Mat lit = grey;
+  for (const MarkerCorners& marker : markers) {
+    if (!marker.shadow) continue;
+    if (lit.data == grey.data) lit = grey.clone();
+    lift(*marker.shadow, lit);
+  }
+  return lit;
+}
+
 struct MarkerDetector::Implementation {
   cv::Ptr<cv::aruco::Dictionary> dictionary;
   DetectorParameters parameters;
   PatternReader reader;
   std::set<int> ids;
 
+  std::vector<MarkerCorners> search(const cv::Mat& grey, std::set<int>* doubtful) const;
   std::vector<MarkerCorners> byOpenCv(const cv::Mat& grey) const;
-  std::vector<MarkerCorners> byOwnSearch(const PictureLevels& picture, const cv::Rect& region) const;
+  std::vector<MarkerCorners> byOwnSearch(const PictureLevels& picture, const cv::Rect& region, int window) const;
+  std::optional<MarkerCorners> inShadow(const PictureLevels& picture, const Quad& quad,
+                                        const std::optional<PatternReading>& so_far) const;
   std::optional<MarkerCorners> outlineNear(const PictureLevels& picture, const ExpectedMarker& expected) const;
   std::optional<FittedEdges> edges(const cv::Mat& grey, const MarkerCorners& marker) const;
   void refine(const cv::Mat& grey, MarkerCorners& marker) const;
@@ -126,20 +142,44 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::byOpenCv(const cv::Ma
 }
 
 std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const PictureLevels& picture,
-                                                                       const cv::Rect& region) const {
+                                                                       const cv::Rect& region, int window) const {
   QuadSearch search;
-  search.window = parameters.search_window | 1;
+  search.window = window | 1;
   search.constant = parameters.search_constant;
   search.min_side = parameters.min_side;
   std::vector<MarkerCorners> markers;
   for (Quad quad : findQuads(picture.grey()(region), search)) {
     for (auto& corner : quad) corner += Eigen::Vector2d(region.x, region.y);
     const auto reading = reader.read(picture, quad, parameters.min_evidence);
-    if (!reading) continue;
-    const MarkerCorners marker = cornersOf(*reading);
-    if (marker.side() >= parameters.min_side) markers.push_back(marker);
+    std::optional<MarkerCorners> marker = inShadow(picture, reading ? reading->corners : quad, reading);
+    if (!marker && reading) marker = cornersOf(*reading);
+    if (marker && marker->side() >= parameters.min_side) markers.push_back(*marker);
   }
   return markers;
+}
+
+/// All of the picture.
+std::vector<MarkerCorners> MarkerDetector::Implementation::search(const cv::Mat& grey, std::set<int>* doubtful) const {
+  if (parameters.search != "own") return uniqueMarkers(byOpenCv(grey), doubtful);
+  const cv::Rect all(0, 0, grey.cols, grey.rows);
+  const PictureLevels picture(grey);
+  std::vector<MarkerCorners> found = byOwnSearch(picture, all, parameters.search_window);
+  if (found.empty()) found = byOwnSearch(picture, all, kNarrowWindow);
+  return uniqueMarkers(found, doubtful);
+}
+
+/// What can be read, or better than so far, once a shadow's edge across it is taken away.
+std::optional<MarkerCorners> MarkerDetector::Implementation::inShadow(
+    const PictureLevels& picture, const Quad& quad, const std::optional<PatternReading>& so_far) const {
+  const auto shadow = reader.shadowEdge(picture, quad);
+  if (!shadow) return std::nullopt;
+  cv::Mat lit = picture.grey().clone();
+  lift(*shadow, lit);
+  const auto reading = reader.read(PictureLevels(lit), quad, parameters.min_evidence);
+  if (!reading || (so_far && (reading->id != so_far->id || reading->evidence < so_far->evidence))) return std::nullopt;
+  MarkerCorners marker = cornersOf(*reading);
+  marker.shadow = shadow;
+  return marker;
 }
 
 /// The edges of a marker; from corners that are only good to a part of a cell, those of a large one in two steps.
@@ -178,8 +218,10 @@ std::optional<MarkerCorners> MarkerDetector::Implementation::outlineNear(const P
   const cv::Point last(whole(high.x() + margin + 1.0, width), whole(high.y() + margin + 1.0, height));
   const cv::Rect region(first, last);
   if (region.width < kSmallestRegion || region.height < kSmallestRegion) return std::nullopt;
-  for (const MarkerCorners& marker : uniqueMarkers(byOwnSearch(picture, region))) {
-    if (marker.id == expected.id) return marker;
+  for (const int window : {parameters.search_window, kNarrowWindow}) {
+    for (const MarkerCorners& marker : uniqueMarkers(byOwnSearch(picture, region, window))) {
+      if (marker.id == expected.id) return marker;
+    }
   }
   return std::nullopt;
 }
@@ -194,11 +236,9 @@ MarkerDetector::MarkerDetector(MarkerDetector&&) noexcept = default;
 
 std::vector<MarkerCorners> MarkerDetector::detect(const cv::Mat& grey, std::set<int>* doubtful) const {
   checkPicture(grey);
-  const bool own = implementation_->parameters.search == "own";
-  const cv::Rect all(0, 0, grey.cols, grey.rows);
-  std::vector<MarkerCorners> unique = uniqueMarkers(
-      own ? implementation_->byOwnSearch(PictureLevels(grey), all) : implementation_->byOpenCv(grey), doubtful);
-  for (MarkerCorners& marker : unique) implementation_->refine(grey, marker);
+  std::vector<MarkerCorners> unique = implementation_->search(grey, doubtful);
+  const cv::Mat lit = withoutShadows(grey, unique);
+  for (MarkerCorners& marker : unique) implementation_->refine(lit, marker);
   return unique;
 }
 
@@ -211,12 +251,14 @@ std::vector<MarkerCorners> MarkerDetector::follow(const cv::Mat& grey, const std
   for (const ExpectedMarker& e : expected) {
     const auto reading = implementation_->reader.follow(e.id, picture, e.corners, e.reach, min_evidence, e.code_blur);
     std::optional<MarkerCorners> marker;
-    if (reading)
+    if (reading) marker = implementation_->inShadow(picture, reading->corners, reading);
+    if (!marker && reading)
       marker = cornersOf(*reading);
-    else if (e.by_outline)
+    else if (!marker && e.by_outline)
       marker = implementation_->outlineNear(picture, e);
     if (!marker) continue;
-    if (e.edges || !reading || !(reading->contrast > 0.0)) implementation_->refine(grey, *marker);
+    if (e.edges || !reading || !(reading->contrast > 0.0))
+      implementation_->refine(withoutShadows(grey, {*marker}), *marker);
     found.push_back(*marker);
   }
   return found;

@@ -89,6 +89,14 @@ int PatternReader::cells() const {
   return implementation_->book.grid().cells();
 }
 
+std::optional<ShadowEdge> PatternReader::shadowEdge(const PictureLevels& picture, const Quad& quad) const {
+  const PatternAligner& aligner = implementation_->aligner;
+  Alignment a;
+  a.quad = quad;
+  if (!aligner.look(picture, a) || !aligner.hasBorder(a.samples)) return std::nullopt;
+  return findShadowEdge(implementation_->book.grid(), a.samples, quad);
+}
+
 std::optional<PatternReading> PatternReader::read(const PictureLevels& picture, const Quad& quad,
                                                   double min_evidence) const {
   const Implementation& self = *implementation_;

@@ -22,6 +22,7 @@ constexpr double kMisfit = 1.8, kContradiction = 1.0;
 constexpr double kCoarseCorners = 0.25;   // cells
 constexpr double kBlurredCorners = 0.25;  // standard deviations of the blur
 constexpr double kClipped = 0.05;         // share of the pixels
+constexpr double kShadowSigma = 0.06;     // [px] of a corner: what taking away a shadow's edge leaves
 constexpr double kLargestGap = 0.3;       // [px] rms, between a marker's own corners and those of the joint pose
 
 /// Grey levels that the sensor could have seen, and a blur that leaves cells to be told apart.
@@ -175,7 +176,7 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
   for (std::size_t i = 0; i < 4; ++i) {
     if (!seen.add(markerCorners(marker.size)[i], marker.image.corners[i], 1.0, camera)) return false;
   }
-  addModelError(camera, seen, parameters.model_sigma, hypotheses);
+  addModelError(camera, seen, std::max(parameters.model_sigma, marker.image.shadow ? kShadowSigma : 0.0), hypotheses);
   for (auto& h : hypotheses) h.error = reprojectionError(camera, seen, h.pose);
   // Corners that no edge confirms may be some tenths of a cell off, those of blurred edges some tenths of the blur.
   const double coarse = marker.image.edges_fitted ? kBlurredCorners * marker.image.blur_sd

@@ -3,15 +3,13 @@
 #include <Eigen/Core>
 #include <array>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "seater_perception/parameters.h"
-
-namespace cv {
-class Mat;
-}
+#include "seater_perception/shadow_edge.h"
 
 namespace seater_perception {
 
@@ -27,6 +25,7 @@ struct MarkerCorners {
   double blur_sd = 0.0;               ///< of the lens, from fitted edges or grey levels; 0: not known [px]
   int code_blur = -1;                 ///< PatternReading::blur; -1: not known
   double dark = 0.0, contrast = 0.0;  ///< as of PatternReading; contrast 0: not to be relied on
+  std::optional<ShadowEdge> shadow;   ///< that lies across it: corners and levels are of withoutShadows
 
   double side() const;     ///< mean side [px]
   double minSide() const;  ///< shortest side [px]
@@ -42,6 +41,9 @@ struct ExpectedMarker {
   int code_blur = -1;                      ///< as of MarkerCorners in the last picture; -1: not known
   bool edges = true;                       ///< false: no edges are fitted where the code shows clearly
 };
+
+/// The picture (CV_8UC1) as without the shadows across these markers: a copy, or itself where there are none.
+cv::Mat withoutShadows(const cv::Mat& grey, const std::vector<MarkerCorners>& markers);
 
 /// Finds markers of one dictionary and refines their corners. Outlines and ids come from findQuads and PatternReader
 /// (`search: own`) or from OpenCV's detectMarkers (`opencv`). Corners: fitEdges where it succeeds; else those of the

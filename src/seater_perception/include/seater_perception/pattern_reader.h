@@ -11,6 +11,7 @@
 #include "seater_perception/pattern_template.h"
 #include "seater_perception/picture_levels.h"
 #include "seater_perception/quad_search.h"
+#include "seater_perception/shadow_edge.h"
 
 namespace seater_perception {
 
@@ -44,6 +45,9 @@ class PatternReader {
   /// `min_evidence`, when another code is about as likely, or when a bit contradicts. Of a large marker, a part of
   /// border and quiet zone may be covered.
   std::optional<PatternReading> read(const PictureLevels& picture, const Quad& quad, double min_evidence) const;
+
+  /// The edge of a shadow across what may be a print here, as its quiet zone shows it.
+  std::optional<ShadowEdge> shadowEdge(const PictureLevels& picture, const Quad& quad) const;
 
   /// A known code whose corners are about here (in the print's order), at most `reach` [px] away (0: only what the fit
   /// itself reaches, about a third of a cell). `blur`: of its reading in the last picture, tried first; -1: not known.
