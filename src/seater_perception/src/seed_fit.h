@@ -20,7 +20,7 @@ class SeedFit {
   PhotometricResult result;
   bool failed = false;
   bool hopeless = false;  ///< failed because clearly worse than another
-  bool blind = false;  ///< failed because clipping is said to hide nearly all pixels
+  bool blind = false;     ///< failed because clipping is said to hide nearly all pixels
 
   void fail(const std::string& why) {
     failed = true;

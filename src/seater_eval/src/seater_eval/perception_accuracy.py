@@ -192,8 +192,8 @@ def describe_accuracy(data: dict[str, Any]) -> str:
         for m, p in data["published"].items()
         if isinstance(p, dict)
     ]
-    head = f"\n  Published pictures, {data['published']['tags']} tags"
-    return text + head + " (common poses: of the package's corners in all three pictures):\n" + "\n".join(lines)
+    title = f"\n  Published pictures, {data['published']['tags']} tags"
+    return text + title + " (common poses: of the package's corners in all three pictures):\n" + "\n".join(lines)
 
 
 def _short(value: float | None) -> str:
