@@ -9,6 +9,7 @@ namespace seater_perception {
 namespace {
 
 constexpr double kSmallCell = 8.0;     // [px] up to here, the code's corners are near enough to begin a fit
+constexpr int kShadowsEvery = 4;       // [pictures] without markers: strong shadows are looked for so often
 constexpr double kReachByDock = 0.17;  // [sides] one cell: for markers that were not seen in the last picture
 
 double sideOf(const std::array<Eigen::Vector2d, 4>& corners) {
@@ -28,6 +29,7 @@ void DockTracker::reset() {
   before_.clear();
   doubtful_.clear();
   since_full_search_ = 0;
+  empty_ = 0;
 }
 
 std::optional<DockTracker::Corners> DockTracker::project(const Eigen::Isometry3d& T_optical_marker, double size) const {
@@ -120,12 +122,13 @@ DetectionResult DockTracker::detect(const cv::Mat& grey, const std::optional<Eig
   }
   if (result.full_search) {
     doubtful_.clear();
-    const auto found = detector_.markerDetector().detect(grey, &doubtful_);
+    const auto found = detector_.markerDetector().detect(grey, &doubtful_, empty_ % kShadowsEvery == 0);
     for (const int id : doubtful_) predicted.erase(id);
     result = detector_.evaluate(grey, follow(grey, predicted, found));
     result.full_search = true;
   }
   since_full_search_ = result.full_search ? 0 : since_full_search_ + 1;
+  empty_ = result.markers.empty() ? empty_ + 1 : 0;
   before_.clear();
   for (const DetectedMarker& m : last_.markers) before_[m.image.id] = m.image.corners;
   last_ = result;

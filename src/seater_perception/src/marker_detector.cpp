@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kCoarseBand = 0.25;  // [cells] half width of the band for corners that are still some pixels off
 constexpr int kSmallestRegion = 12;   // [px]
-// [px] of the threshold, where a wider one finds nothing: there the edge of a strong shadow grows together with the
+// [px] of the threshold when strong shadows are looked for: with a wider one, their edge grows together with the
 // print's border.
 constexpr int kNarrowWindow = 7;
 
@@ -105,9 +105,10 @@ struct MarkerDetector::Implementation {
   PatternReader reader;
   std::set<int> ids;
 
-  std::vector<MarkerCorners> search(const cv::Mat& grey, std::set<int>* doubtful) const;
+  std::vector<MarkerCorners> search(const cv::Mat& grey, std::set<int>* doubtful, bool strong_shadows) const;
   std::vector<MarkerCorners> byOpenCv(const cv::Mat& grey) const;
-  std::vector<MarkerCorners> byOwnSearch(const PictureLevels& picture, const cv::Rect& region, int window) const;
+  std::vector<MarkerCorners> byOwnSearch(const PictureLevels& picture, const cv::Rect& region,
+                                         bool strong_shadows) const;
   std::optional<MarkerCorners> inShadow(const PictureLevels& picture, const Quad& quad,
                                         const std::optional<PatternReading>& so_far) const;
   std::optional<MarkerCorners> outlineNear(const PictureLevels& picture, const ExpectedMarker& expected) const;
@@ -141,16 +142,19 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::byOpenCv(const cv::Ma
   return markers;
 }
 
+/// `strong_shadows`: instead, only what the edge of a shadow lies across, even of a strong one.
 std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const PictureLevels& picture,
-                                                                       const cv::Rect& region, int window) const {
+                                                                       const cv::Rect& region,
+                                                                       bool strong_shadows) const {
   QuadSearch search;
-  search.window = window | 1;
+  search.window = (strong_shadows ? kNarrowWindow : parameters.search_window) | 1;
   search.constant = parameters.search_constant;
   search.min_side = parameters.min_side;
   std::vector<MarkerCorners> markers;
   for (Quad quad : findQuads(picture.grey()(region), search)) {
     for (auto& corner : quad) corner += Eigen::Vector2d(region.x, region.y);
-    const auto reading = reader.read(picture, quad, parameters.min_evidence);
+    std::optional<PatternReading> reading;
+    if (!strong_shadows) reading = reader.read(picture, quad, parameters.min_evidence);
     std::optional<MarkerCorners> marker = inShadow(picture, reading ? reading->corners : quad, reading);
     if (!marker && reading) marker = cornersOf(*reading);
     if (marker && marker->side() >= parameters.min_side) markers.push_back(*marker);
@@ -159,12 +163,13 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const Pic
 }
 
 /// All of the picture.
-std::vector<MarkerCorners> MarkerDetector::Implementation::search(const cv::Mat& grey, std::set<int>* doubtful) const {
+std::vector<MarkerCorners> MarkerDetector::Implementation::search(const cv::Mat& grey, std::set<int>* doubtful,
+                                                                  bool strong_shadows) const {
   if (parameters.search != "own") return uniqueMarkers(byOpenCv(grey), doubtful);
   const cv::Rect all(0, 0, grey.cols, grey.rows);
   const PictureLevels picture(grey);
-  std::vector<MarkerCorners> found = byOwnSearch(picture, all, parameters.search_window);
-  if (found.empty()) found = byOwnSearch(picture, all, kNarrowWindow);
+  std::vector<MarkerCorners> found = byOwnSearch(picture, all, false);
+  if (found.empty() && strong_shadows) found = byOwnSearch(picture, all, true);
   return uniqueMarkers(found, doubtful);
 }
 
@@ -173,10 +178,16 @@ std::optional<MarkerCorners> MarkerDetector::Implementation::inShadow(
     const PictureLevels& picture, const Quad& quad, const std::optional<PatternReading>& so_far) const {
   const auto shadow = reader.shadowEdge(picture, quad);
   if (!shadow) return std::nullopt;
-  cv::Mat lit = picture.grey().clone();
-  lift(*shadow, lit);
-  const auto reading = reader.read(PictureLevels(lit), quad, parameters.min_evidence);
+  const cv::Rect part = shadow->region & cv::Rect(0, 0, picture.grey().cols, picture.grey().rows);
+  if (part.width < kSmallestRegion || part.height < kSmallestRegion) return std::nullopt;
+  const Eigen::Vector2d origin(part.x, part.y);
+  cv::Mat lit = picture.grey()(part).clone();
+  lift(shadow->seenFrom(origin), lit);
+  Quad there = quad;
+  for (auto& corner : there) corner -= origin;
+  auto reading = reader.read(PictureLevels(lit), there, parameters.min_evidence);
   if (!reading || (so_far && (reading->id != so_far->id || reading->evidence < so_far->evidence))) return std::nullopt;
+  for (auto& corner : reading->corners) corner += origin;
   MarkerCorners marker = cornersOf(*reading);
   marker.shadow = shadow;
   return marker;
@@ -218,8 +229,8 @@ std::optional<MarkerCorners> MarkerDetector::Implementation::outlineNear(const P
   const cv::Point last(whole(high.x() + margin + 1.0, width), whole(high.y() + margin + 1.0, height));
   const cv::Rect region(first, last);
   if (region.width < kSmallestRegion || region.height < kSmallestRegion) return std::nullopt;
-  for (const int window : {parameters.search_window, kNarrowWindow}) {
-    for (const MarkerCorners& marker : uniqueMarkers(byOwnSearch(picture, region, window))) {
+  for (const bool strong_shadows : {false, true}) {
+    for (const MarkerCorners& marker : uniqueMarkers(byOwnSearch(picture, region, strong_shadows))) {
       if (marker.id == expected.id) return marker;
     }
   }
@@ -234,9 +245,10 @@ MarkerDetector::MarkerDetector(const std::string& dictionary, const DetectorPara
 MarkerDetector::~MarkerDetector() = default;
 MarkerDetector::MarkerDetector(MarkerDetector&&) noexcept = default;
 
-std::vector<MarkerCorners> MarkerDetector::detect(const cv::Mat& grey, std::set<int>* doubtful) const {
+std::vector<MarkerCorners> MarkerDetector::detect(const cv::Mat& grey, std::set<int>* doubtful,
+                                                  bool strong_shadows) const {
   checkPicture(grey);
-  std::vector<MarkerCorners> unique = implementation_->search(grey, doubtful);
+  std::vector<MarkerCorners> unique = implementation_->search(grey, doubtful, strong_shadows);
   const cv::Mat lit = withoutShadows(grey, unique);
   for (MarkerCorners& marker : unique) implementation_->refine(lit, marker);
   return unique;

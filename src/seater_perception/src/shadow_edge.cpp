@@ -92,6 +92,13 @@ double ShadowEdge::light(const Eigen::Vector2d& p) const {
   return factor + (1.0 - factor) * normalShare((normal.dot(p) - offset) / width);
 }
 
+ShadowEdge ShadowEdge::seenFrom(const Eigen::Vector2d& origin) const {
+  ShadowEdge there = *this;
+  there.offset -= normal.dot(origin);
+  there.region -= cv::Point(static_cast<int>(origin.x()), static_cast<int>(origin.y()));
+  return there;
+}
+
 std::optional<ShadowEdge> findShadowEdge(const PatternGrid& grid, const PictureLevels::Samples& samples,
                                          const Quad& quad) {
   const std::vector<RingSample> ring = ringOf(grid, samples);

@@ -44,6 +44,7 @@ class DockTracker {
   std::map<int, Corners> before_;  // of the picture before the last one
   std::set<int> doubtful_;         // seen at two places by the last search of the whole picture
   int since_full_search_ = 0;
+  int empty_ = 0;  ///< pictures without markers since the last one with
 };
 
 }  // namespace seater_perception

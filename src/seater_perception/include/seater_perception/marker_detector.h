@@ -57,8 +57,10 @@ class MarkerDetector {
   MarkerDetector(MarkerDetector&&) noexcept;
 
   /// Markers in ascending id. An id that stands at two places of the picture is left out: nothing tells which one is
-  /// meant; `doubtful` gathers such ids. `grey` is CV_8UC1. Throws PictureError.
-  std::vector<MarkerCorners> detect(const cv::Mat& grey, std::set<int>* doubtful = nullptr) const;
+  /// meant; `doubtful` gathers such ids. `strong_shadows`: where nothing is found, markers across the edge of a strong
+  /// shadow are looked for, which takes once more the time. `grey` is CV_8UC1. Throws PictureError.
+  std::vector<MarkerCorners> detect(const cv::Mat& grey, std::set<int>* doubtful = nullptr,
+                                    bool strong_shadows = true) const;
 
   /// Markers near the places where they are expected, in their order: first where they are expected, then up to `reach`
   /// away, by their code, then (`by_outline`) by their outline there. The correlation has to be at least

@@ -19,6 +19,8 @@ struct ShadowEdge {
 
   /// Of the pixel p, of the light outside: factor .. 1.
   double light(const Eigen::Vector2d& p) const;
+  /// The same in a part of the picture that begins at the pixel `origin`.
+  ShadowEdge seenFrom(const Eigen::Vector2d& origin) const;
 };
 
 /// The edge that the quiet zone shows, which would be all of one brightness: its samples have two levels, and there are
