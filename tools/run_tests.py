@@ -22,7 +22,7 @@ OUTPUT = ROOT / "results" / "test"
 LONGEST = 1200  # [s] of one command
 EVALUATIONS = (
     "docking_table", "solver_benchmark", "controller_campaign", "perception_accuracy", "perception_range",
-    "perception_speed",
+    "perception_shadows", "perception_speed",
 )  # fmt: skip
 # Bars that the data cannot decide (docs/perception_evaluation.md says why): missed, they count as skipped, not as failed.
 UNDECIDABLE = {"visp-images-data: worst position error / best of OpenCV's refinements"}

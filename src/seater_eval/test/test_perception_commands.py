@@ -19,6 +19,7 @@ from seater_eval.perception.render import Print, clean_picture, corners_of, expo
 from seater_eval.perception.scenes import facing, normal_error, normalised_error_squared, pose_error, upright
 from seater_eval.perception_accuracy import accuracy_bars
 from seater_eval.perception_range import PAPER, range_bars
+from seater_eval.perception_shadows import ShadowJob, shadow_bars, shadow_picture
 from seater_eval.perception_speed import speed_bars
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
@@ -201,6 +202,27 @@ def test_errors_are_pooled_over_the_angles_of_a_distance() -> None:
     data["cells"] += [dict(data["cells"][0], methods=accuracy_data(ours=0.2)["cells"][0]["methods"])]
     bar = accuracy_bars(data)[0]
     assert bar.value == pytest.approx(np.median([0.05, 0.1, 0.3, 0.1, 0.2, 0.6]) / 0.06)
+
+
+def test_half_of_the_marker_lies_in_the_shadow() -> None:
+    (picture, pose), (lit, _) = (shadow_picture(ShadowJob(str(CONFIG), 0.6, light, 1), 3) for light in (0.5, 1.0))
+    corners = corners_of(Print(subject.DICTIONARY, 0, 0.1, pose), CAMERA.K)
+    (left, top), (right, bottom) = np.floor(corners.min(axis=0)).astype(int), np.ceil(corners.max(axis=0)).astype(int)
+    ratio = picture[top:bottom, left:right].astype(float) / np.maximum(1, lit[top:bottom, left:right])
+    assert 0.4 < np.mean(ratio < 0.75) < 0.6
+    assert np.median(ratio[ratio < 0.75]) == pytest.approx(0.5, abs=0.05)
+
+
+def test_shadow_bars() -> None:
+    def data(**changes: object) -> dict:
+        row = {"light": 0.5, "pictures": 24, "found": 24, "found_opencv_default": 9, "normalised_error_squared": 2.0}
+        strong = row | {"light": 0.2, "found": 0, "found_opencv_default": 0, "normalised_error_squared": None}
+        return {"rows": [row | changes, strong]}
+
+    assert all(bar.met for bar in shadow_bars(data()))
+    wrong = ({"found": 20}, {"found": 22, "found_opencv_default": 23}, {"normalised_error_squared": 9.0})
+    for change in (*wrong, {"normalised_error_squared": None}):
+        assert not all(bar.met for bar in shadow_bars(data(**change))), change
 
 
 def job_that_is_interrupted_once(job: tuple[int, str]) -> int:

@@ -26,7 +26,9 @@ def run(command: str, results: Path, *options: str, config: Path = ROOT / "confi
     return subprocess.run(words, capture_output=True, text=True, timeout=600, env=environment)
 
 
-@pytest.mark.parametrize("command", ["perception_accuracy", "perception_range", "perception_speed"])
+@pytest.mark.parametrize(
+    "command", ["perception_accuracy", "perception_range", "perception_shadows", "perception_speed"]
+)
 def test_wrong_configuration(command: str, tmp_path: Path) -> None:
     config = tmp_path / "config"
     (config / "cameras").mkdir(parents=True)
