@@ -4,9 +4,9 @@
 #include <cmath>
 #include <map>
 #include <opencv2/aruco.hpp>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "opencv_search.h"
 #include "seater_perception/dock_layout.h"
 #include "seater_perception/edge_fit.h"
 #include "seater_perception/image_checks.h"
@@ -21,21 +21,6 @@ constexpr int kSmallestRegion = 12;   // [px]
 // [px] of the threshold when strong shadows are looked for: with a wider one, their edge grows together with the
 // print's border.
 constexpr int kNarrowWindow = 7;
-
-/// Half window of the refinement [px]: a fixed part of the marker's shortest cell.
-int cornerWindow(const MarkerCorners& marker, int cells, const DetectorParameters& parameters) {
-  const double cell = marker.minSide() / cells;
-  const int window = static_cast<int>(std::lround(parameters.corner_window * cell));
-  return std::clamp(window, parameters.corner_window_min, parameters.corner_window_max);
-}
-
-void refineCorners(const cv::Mat& grey, int window, MarkerCorners& marker) {
-  std::vector<cv::Point2f> points;
-  for (const auto& c : marker.corners) points.emplace_back(c.x(), c.y());
-  const cv::TermCriteria stop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 50, 0.002);
-  cv::cornerSubPix(grey, points, cv::Size(window, window), cv::Size(-1, -1), stop);
-  for (std::size_t i = 0; i < 4; ++i) marker.corners[i] = Eigen::Vector2d(points[i].x, points[i].y);
-}
 
 MarkerCorners cornersOf(const PatternReading& reading) {
   MarkerCorners marker;
@@ -106,7 +91,6 @@ struct MarkerDetector::Implementation {
   std::set<int> ids;
 
   std::vector<MarkerCorners> search(const cv::Mat& grey, std::set<int>* doubtful, bool strong_shadows) const;
-  std::vector<MarkerCorners> byOpenCv(const cv::Mat& grey) const;
   std::vector<MarkerCorners> byOwnSearch(const PictureLevels& picture, const cv::Rect& region,
                                          bool strong_shadows) const;
   std::optional<MarkerCorners> inShadow(const PictureLevels& picture, const Quad& quad,
@@ -115,32 +99,6 @@ struct MarkerDetector::Implementation {
   std::optional<FittedEdges> edges(const cv::Mat& grey, const MarkerCorners& marker) const;
   void refine(const cv::Mat& grey, MarkerCorners& marker) const;
 };
-
-std::vector<MarkerCorners> MarkerDetector::Implementation::byOpenCv(const cv::Mat& grey) const {
-  const DetectorParameters& p = parameters;
-  const auto settings = cv::aruco::DetectorParameters::create();
-  settings->adaptiveThreshWinSizeMin = p.threshold_window_min;
-  settings->adaptiveThreshWinSizeMax = p.threshold_window_max;
-  settings->adaptiveThreshWinSizeStep = p.threshold_window_step;
-  settings->adaptiveThreshConstant = p.threshold_constant;
-  settings->minMarkerPerimeterRate = 4.0 * p.min_side / std::max(grey.cols, grey.rows);  // OpenCV wants it relative
-  settings->errorCorrectionRate = p.error_correction_rate;
-  settings->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
-
-  std::vector<std::vector<cv::Point2f>> outlines;
-  std::vector<int> found;
-  cv::aruco::detectMarkers(grey, dictionary, outlines, found, settings);
-
-  std::vector<MarkerCorners> markers;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    if (!ids.empty() && !ids.count(found[i])) continue;
-    MarkerCorners marker;
-    marker.id = found[i];
-    for (std::size_t k = 0; k < 4; ++k) marker.corners[k] = Eigen::Vector2d(outlines[i][k].x, outlines[i][k].y);
-    markers.push_back(marker);
-  }
-  return markers;
-}
 
 /// `strong_shadows`: instead, only what the edge of a shadow lies across, even of a strong one.
 std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const PictureLevels& picture,
@@ -165,7 +123,7 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const Pic
 /// All of the picture.
 std::vector<MarkerCorners> MarkerDetector::Implementation::search(const cv::Mat& grey, std::set<int>* doubtful,
                                                                   bool strong_shadows) const {
-  if (parameters.search != "own") return uniqueMarkers(byOpenCv(grey), doubtful);
+  if (parameters.search != "own") return uniqueMarkers(searchByOpenCv(grey, dictionary, ids, parameters), doubtful);
   const cv::Rect all(0, 0, grey.cols, grey.rows);
   const PictureLevels picture(grey);
   std::vector<MarkerCorners> found = byOwnSearch(picture, all, false);
@@ -207,8 +165,7 @@ std::optional<FittedEdges> MarkerDetector::Implementation::edges(const cv::Mat& 
 
 void MarkerDetector::Implementation::refine(const cv::Mat& grey, MarkerCorners& marker) const {
   // OpenCV's outlines follow the steps of pixels; the own search has already fitted the code.
-  if (parameters.search != "own")
-    refineCorners(grey, cornerWindow(marker, dictionary->markerSize + 2, parameters), marker);
+  if (parameters.search != "own") refineSubPixel(grey, dictionary->markerSize + 2, parameters, marker);
   if (!parameters.edge_fit) return;
   if (const auto fitted = edges(grey, marker)) {
     marker.corners = fitted->corners;

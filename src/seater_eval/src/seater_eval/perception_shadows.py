@@ -117,7 +117,7 @@ def describe_shadows(data: dict[str, Any]) -> str:
 
 def draw_shadows(config: str | Path, data: dict[str, Any], path: Path) -> Path:
     """One picture of each case, the part round the marker."""
-    fig, axes = figure(len(data["rows"]), width=2.6, height=3.0)
+    fig, axes = figure(len(data["rows"]), width=2.6, height=3.3)
     camera = load_degraded_camera(Path(config) / "cameras" / "degraded.yaml")
     for axis, row in zip(np.atleast_1d(axes), data["rows"], strict=True):
         picture, pose = shadow_picture(ShadowJob(str(config), row["distance"], row["light"], 1), 0)
