@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Run the tests of the built workspace: gtest, pytest, rostest, evaluation commands, catkin_lint, ruff, mypy, clang-format.
 
-Ends with one line `N passed, N failed`, with `, N skipped` where tests were skipped. Details are in results/test.
+Checks that do not depend on how fast the machine is share its cores; what measures time, or takes all cores by itself,
+runs alone afterwards. Ends with one line `N passed, N failed`, with `, N skipped` where tests were skipped. Details are
+in results/test.
 """
 
 from __future__ import annotations
@@ -13,8 +15,10 @@ import subprocess
 import sys
 import time
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -36,15 +40,26 @@ class Tally:
     failed: int = 0
     skipped: int = 0
     problems: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)  # for the screen
 
     def add(self, other: Tally) -> None:
         self.passed += other.passed
         self.failed += other.failed
         self.skipped += other.skipped
         self.problems += other.problems
+        self.notes += other.notes
 
     def __str__(self) -> str:
         return f"{self.passed} passed, {self.failed} failed" + (f", {self.skipped} skipped" if self.skipped else "")
+
+
+@dataclass
+class Check:
+    """What runs as one piece and has no need of the others."""
+
+    name: str
+    run: Callable[[], Tally]
+    alone: bool = False  # measures time, or takes all cores by itself
 
 
 def command(name: str, words: list[str], **environment: str) -> tuple[int, Path]:
@@ -65,7 +80,7 @@ def tail(log: Path, lines: int = 40) -> str:
     return "\n".join(log.read_text(errors="replace").splitlines()[-lines:])
 
 
-def check(name: str, words: list[str], **environment: str) -> Tally:
+def exit_code(name: str, words: list[str], **environment: str) -> Tally:
     """A command whose exit code is the test."""
     code, log = command(name, words, **environment)
     if code == 0:
@@ -81,8 +96,10 @@ def cases_of(report: Path) -> list[ElementTree.Element]:
         return []
 
 
-def junit(name: str, code: int, log: Path, report: Path) -> Tally:
-    """Counts of a JUnit file; a crash without a report is a failure."""
+def junit(name: str, words: list[str], report: Path, **environment: str) -> Tally:
+    """Runs it and counts the cases of the JUnit file that it writes; a crash without one is a failure."""
+    report.unlink(missing_ok=True)
+    code, log = command(name, words, **environment)
     tally = Tally()
     if report.exists() and report.stat().st_size > 0:
         for case in cases_of(report):
@@ -93,7 +110,7 @@ def junit(name: str, code: int, log: Path, report: Path) -> Tally:
                 tally.problems.append(f"{name}: {case.get('classname')}.{case.get('name')}\n{text.strip()[-3000:]}")
             elif case.find("skipped") is not None or case.get("status") == "notrun" or case.get("result") == "skipped":
                 tally.skipped += 1
-                print(f"    skipped: {case.get('classname')}.{case.get('name')}")
+                tally.notes.append(f"skipped: {case.get('classname')}.{case.get('name')}")
             else:
                 tally.passed += 1
     if code != 0 and tally.failed == 0:
@@ -105,104 +122,91 @@ def junit(name: str, code: int, log: Path, report: Path) -> Tally:
     return tally
 
 
-def gtests() -> Tally:
-    tally = Tally()
+def gtests() -> Iterator[Check]:
     programs = sorted(p for p in (ROOT / "build" / "devel" / "lib").glob("*/*_test") if os.access(p, os.X_OK))
     if not programs:
-        return Tally(failed=1, problems=["gtest: no test program was built"])
+        yield Check("gtest", lambda: Tally(failed=1, problems=["gtest: no test program was built"]))
     for program in programs:
         report = OUTPUT / f"{program.name}.xml"
-        report.unlink(missing_ok=True)
-        code, log = command(program.name, [str(program), f"--gtest_output=xml:{report}"])
-        tally.add(junit(program.name, code, log, report))
-    return tally
+        words = [str(program), f"--gtest_output=xml:{report}"]
+        yield Check(program.name, partial(junit, program.name, words, report))
 
 
-def pytests() -> Tally:
+def pytests() -> Iterator[Check]:
     """One run for each package: their test modules and conftest files may bear the same names."""
-    tally = Tally()
     folders = [f for f in sorted(ROOT.glob("src/*/test")) if any(f.glob("test_*.py"))]
     for folder in [*folders, ROOT / "test" / "structure"]:
         name = f"pytest_{folder.parent.name}"
         report = OUTPUT / f"{name}.xml"
-        report.unlink(missing_ok=True)
-        code, log = command(
-            name, [sys.executable, "-m", "pytest", f"--junitxml={report}", str(folder.relative_to(ROOT))]
-        )
-        tally.add(junit(name, code, log, report))
-    return tally
+        words = [sys.executable, "-m", "pytest", f"--junitxml={report}", str(folder.relative_to(ROOT))]
+        yield Check(name, partial(junit, name, words, report))
 
 
-def rostests() -> Tally:
-    tally = Tally()
+def rostests() -> Iterator[Check]:
     for launch in sorted((ROOT / "test" / "launch").glob("*.test")):
-        tally.add(rostest(launch))
-    return tally
+        yield rostest(launch)
 
 
-def rostest(launch: Path) -> Tally:
-    started = time.monotonic()
+def rostest(launch: Path) -> Check:
     base = OUTPUT / "rostest"
     report = base / "seater_test" / f"rosunit-{launch.stem}.xml"  # with every case of the script
-    report.unlink(missing_ok=True)
     words = ["rostest", "--results-base-dir", str(base), "--results-filename", f"{launch.stem}.xml", str(launch)]
-    code, log = command(f"rostest_{launch.stem}", words, ROS_LOG_DIR=str(OUTPUT / "ros"))
-    tally = junit(f"rostest {launch.stem}", code, log, report)
-    print(f"    {launch.stem}: {tally} ({time.monotonic() - started:.0f} s)", flush=True)
-    return tally
+    name = f"rostest_{launch.stem}"
+    return Check(name, partial(junit, name, words, report, ROS_LOG_DIR=str(OUTPUT / "ros" / launch.stem)))
 
 
 def packages() -> list[Path]:
     return sorted(p.parent for folder in ("src/*", "config", "test") for p in ROOT.glob(f"{folder}/package.xml"))
 
 
-def lint() -> Tally:
-    tally = Tally()
+def lint() -> Iterator[Check]:
+    def check(name: str, words: list[str], **environment: str) -> Check:
+        return Check(name, partial(exit_code, name, words, **environment))
+
     for package in packages():
         words = ["catkin_lint", "-W2", "--strict", str(package)]
         if package.parent == ROOT:  # config/ and test/ are named for people who look into the repository
             words += ["--ignore", "package_path_name"]
-        tally.add(check(f"catkin_lint_{package.name}", words))
-    tally.add(check("ruff_check", ["ruff", "check", "."]))
-    tally.add(check("ruff_format", ["ruff", "format", "--check", "."]))
+        yield check(f"catkin_lint_{package.name}", words)
+    yield check("ruff_check", ["ruff", "check", "."])
+    yield check("ruff_format", ["ruff", "format", "--check", "."])
     sources = [p / "src" for p in packages() if (p / "src" / p.name.replace("test", "seater_test")).is_dir()]
     path = ":".join(str(s) for s in sources)
-    tally.add(check("mypy", ["mypy", *(str(s) for s in sources)], MYPYPATH=path))
+    yield check("mypy", ["mypy", *(str(s) for s in sources)], MYPYPATH=path)
     cpp = sorted(str(f) for end in ("h", "cpp") for f in ROOT.glob(f"src/**/*.{end}"))
-    tally.add(check("clang_format", ["clang-format", "--dry-run", "--Werror", *cpp]))
-    return tally
+    yield check("clang_format", ["clang-format", "--dry-run", "--Werror", *cpp])
 
 
-def install_space() -> Tally:
+def install_space() -> Iterator[Check]:
     """`cmake --install`, then one docking from there with nothing of the build sourced."""
-    return check("install_space", ["bash", "test/install_space.sh", str(ROOT)])
+    words = ["bash", "test/install_space.sh", str(ROOT)]
+    yield Check("install_space", partial(exit_code, "install_space", words))
 
 
-def evaluations() -> Tally:
+def evaluations() -> Iterator[Check]:
     """The evaluation commands' small versions: each bar counts as a test."""
-    tally = Tally()
     for name in EVALUATIONS:
-        started = time.monotonic()
-        report = OUTPUT / "evaluation" / f"{name}.json"
-        report.unlink(missing_ok=True)
-        words = ["rosrun", "seater_eval", name, "--quick", "--results", str(report.parent), "--config", "config"]
-        code, log = command(name, words)
-        bars = json.loads(report.read_text())["bars"] if report.exists() else []
-        missed = [bar for bar in bars if not bar["met"]]
-        wrong = [bar for bar in missed if bar["name"] not in UNDECIDABLE or bar["value"] is None]
-        for bar in missed:
-            if bar not in wrong:
-                print(f"    {name}: not met, undecidable: {bar['name']}: {bar['value']:.3g}, limit {bar['limit']:g}")
-        skipped = len(missed) - len(wrong)
-        one = Tally(len(bars) - len(missed), len(wrong), skipped, [f"{name}: {bar}" for bar in wrong])
-        if not bars or (code != 0) != bool(missed):
-            one.add(Tally(failed=1, problems=[f"{name}: exit code {code}, {len(missed)} bars missed\n{tail(log)}"]))
-        print(f"    {name}: {one} ({time.monotonic() - started:.0f} s)", flush=True)
-        tally.add(one)
+        yield Check(name, partial(evaluation, name), alone=True)
+
+
+def evaluation(name: str) -> Tally:
+    report = OUTPUT / "evaluation" / f"{name}.json"
+    report.unlink(missing_ok=True)
+    words = ["rosrun", "seater_eval", name, "--quick", "--results", str(report.parent), "--config", "config"]
+    code, log = command(name, words)
+    bars = json.loads(report.read_text())["bars"] if report.exists() else []
+    missed = [bar for bar in bars if not bar["met"]]
+    wrong = [bar for bar in missed if bar["name"] not in UNDECIDABLE or bar["value"] is None]
+    tally = Tally(len(bars) - len(missed), len(wrong), len(missed) - len(wrong), [f"{name}: {bar}" for bar in wrong])
+    for bar in missed:
+        if bar not in wrong:
+            tally.notes.append(f"not met, undecidable: {bar['name']}: {bar['value']:.3g}, limit {bar['limit']:g}")
+    if not bars or (code != 0) != bool(missed):
+        tally.add(Tally(failed=1, problems=[f"{name}: exit code {code}, {len(missed)} bars missed\n{tail(log)}"]))
     return tally
 
 
-STAGES: dict[str, Callable[[], Tally]] = {
+STAGES: dict[str, Callable[[], Iterator[Check]]] = {
     "lint": lint,
     "gtest": gtests,
     "pytest": pytests,
@@ -212,24 +216,41 @@ STAGES: dict[str, Callable[[], Tally]] = {
 }
 
 
+def timed(check: Check) -> Tally:
+    """Runs it and says what came out."""
+    started = time.monotonic()
+    tally = check.run()
+    for note in tally.notes:
+        print(f"  {check.name}: {note}", flush=True)
+    print(f"  {check.name}: {tally} ({time.monotonic() - started:.0f} s)", flush=True)
+    return tally
+
+
+def run_all(checks: list[Check], jobs: int) -> Tally:
+    total = Tally()
+    with ThreadPoolExecutor(jobs) as pool:
+        for tally in pool.map(timed, [check for check in checks if not check.alone]):
+            total.add(tally)
+    for check in checks:
+        if check.alone:
+            total.add(timed(check))
+    return total
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(prog="seater test", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)  # fmt: skip
     parser.add_argument("--only", nargs="+", choices=list(STAGES), help="only these stages")
     parser.add_argument("--rostest", nargs="+", metavar="NAME", help="only these files of test/launch, e.g. cancel")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, metavar="N",
+                        help="checks at the same time (default: %(default)s, one a core)")  # fmt: skip
     options = parser.parse_args()
     OUTPUT.mkdir(parents=True, exist_ok=True)
-    total = Tally()
     if options.rostest:
-        for name in options.rostest:
-            total.add(rostest(ROOT / "test" / "launch" / f"{name}.test"))
+        checks = [rostest(ROOT / "test" / "launch" / f"{name}.test") for name in options.rostest]
     else:
-        for name in options.only or STAGES:
-            started = time.monotonic()
-            print(f"  {name} ...", flush=True)
-            tally = STAGES[name]()
-            print(f"  {name}: {tally} ({time.monotonic() - started:.0f} s)", flush=True)
-            total.add(tally)
+        checks = [check for name in options.only or STAGES for check in STAGES[name]()]
+    total = run_all(checks, max(1, options.jobs))
     for problem in total.problems:
         print(f"\nFAILED {problem}")
     print(f"\n{total}")

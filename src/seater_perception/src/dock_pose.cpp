@@ -160,9 +160,7 @@ void addPlacementError(const CameraModel& camera, const DockLayout& layout, doub
       Matrix6d information = Matrix6d::Zero();
       for (const Eigen::Vector3d& corner : markerCorners(marker.size)) {
         const Eigen::Vector3d arm = h.pose.linear() * (marker.T_dock_marker() * corner);
-        Eigen::Matrix<double, 3, 6> by_pose = Eigen::Matrix<double, 3, 6>::Identity();
-        by_pose.rightCols<3>() << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
-        const Eigen::Matrix<double, 2, 6> J = camera.projectionJacobian(arm + h.pose.translation()) * by_pose;
+        const Eigen::Matrix<double, 2, 6> J = pixelByPose(camera, arm, arm + h.pose.translation());
         information += J.transpose() * J;
       }
       all += information;

@@ -17,32 +17,26 @@ constexpr double kSmallestTilt = 0.15;  // [rad] between the normal and the line
 constexpr double kTiltSds = 2.0;        // from which on a decision for one of the two tilts holds
 
 /// The same but for the turn, most probable when corners were seen there.
-std::optional<Eigen::Isometry3d> moved(const CameraModel& camera, const Eigen::Isometry3d& last, double size,
-                                       const MarkerCorners& seen) {
+std::optional<Eigen::Isometry3d> probablePose(const CameraModel& camera, const Eigen::Isometry3d& last, double size,
+                                              const MarkerCorners& seen) {
   const auto corners = markerCorners(size);
   Eigen::Isometry3d pose = last;
   for (int step = 0; step < kSteps; ++step) {
     Matrix6d H = Matrix6d::Zero();
-    const Eigen::Matrix<double, 6, 1> turned = poseDifference(pose, last);
-    Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
+    const Vector6d turned = poseDifference(pose, last);
+    Vector6d g = Vector6d::Zero();
     for (int k = 3; k < 6; ++k) H(k, k) = std::pow(kCornerSd / kTurnSd, 2), g[k] = H(k, k) * turned[k];
     for (std::size_t i = 0; i < 4; ++i) {
       const Eigen::Vector3d arm = pose.linear() * corners[i], point = arm + pose.translation();
       const auto pixel = camera.project(point);
       if (!pixel) return std::nullopt;
-      Eigen::Matrix<double, 3, 6> by_pose = Eigen::Matrix<double, 3, 6>::Identity();
-      by_pose.rightCols<3>() << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
-      const Eigen::Matrix<double, 2, 6> J = camera.projectionJacobian(point) * by_pose;
+      const Eigen::Matrix<double, 2, 6> J = pixelByPose(camera, arm, point);
       H.noalias() += J.transpose() * J;
       g.noalias() += J.transpose() * (seen.corners[i] - *pixel);
     }
-    const Eigen::Matrix<double, 6, 1> change = H.ldlt().solve(g);
+    const Vector6d change = H.ldlt().solve(g);
     if (!change.allFinite()) return std::nullopt;
-    const Eigen::Vector3d turn = change.tail<3>();
-    pose.translation() += change.head<3>();
-    if (turn.norm() > 0.0) {
-      pose.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() * pose.linear();
-    }
+    pose = movedPose(pose, change);
   }
   return pose;
 }
@@ -67,7 +61,7 @@ std::optional<DetectedMarker> expectedMarker(const CameraModel& camera, const De
     marker.hypotheses.back().pose = mirrored(marker.best().pose);
   }
   for (PoseHypothesis& h : marker.hypotheses) {
-    const auto pose = moved(camera, h.pose, last.size, seen);
+    const auto pose = probablePose(camera, h.pose, last.size, seen);
     if (!pose) return std::nullopt;
     h.pose = *pose;
     h.chi_squared = 0.0;

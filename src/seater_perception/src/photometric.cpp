@@ -247,7 +247,9 @@ std::vector<PhotometricBranch> PhotometricRefiner::refineBranches(const cv::Mat&
   }
   for (PhotometricBranch& b : branches) {
     // What the first look would have given up.
-    if (start.brightness && b.result.converged && b.chi_square - best > kClearlyWorse) b.result.converged = false;
+    // A fit that began with the brightness has had no first look.
+    b.hopeless |= b.result.converged && start.brightness && b.chi_square - best > kClearlyWorse;
+    b.result.converged &= !b.hopeless;
     if (b.result.converged) sum += b.weight = std::exp(-0.5 * (b.chi_square - best));
   }
   for (PhotometricBranch& b : branches) b.weight = sum > 0.0 ? b.weight / sum : 0.0;

@@ -93,10 +93,7 @@ void placeCorners(const CameraModel& camera, const PoseHypothesis& hypothesis, d
     const auto pixel = camera.project(point);
     if (!pixel) return;
     corners[i] = *pixel;
-    Eigen::Matrix<double, 3, 6> by_pose;
-    by_pose << Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero();
-    by_pose.rightCols<3>() << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
-    const Eigen::Matrix<double, 2, 6> J = camera.projectionJacobian(point) * by_pose;
+    const Eigen::Matrix<double, 2, 6> J = pixelByPose(camera, arm, point);
     variance += (J * hypothesis.covariance * J.transpose()).trace() / 8.0;
   }
   marker.image.corners = corners;

@@ -79,13 +79,9 @@ std::optional<PhotometricState> PhotometricProblem::step(const PhotometricState&
   if (!change.allFinite()) return std::nullopt;
   length = change.dot(H * change);
   PhotometricState next = state;
-  next.pose.translation() += change.head<3>();
-  const Eigen::Vector3d turn = change.segment<3>(3);
-  if (turn.norm() > kLargestTurn || change.head<3>().norm() > kLargestMove * state.pose.translation().norm())
-    return std::nullopt;
-  if (turn.norm() > 0.0) {
-    next.pose.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() * state.pose.linear();
-  }
+  const double turn = change.segment<3>(3).norm(), way = change.head<3>().norm();
+  if (turn > kLargestTurn || way > kLargestMove * state.pose.translation().norm()) return std::nullopt;
+  next.pose = movedPose(state.pose, change.head<6>());
   next.blur = blur;
   for (std::size_t m = 0; m < samples_->size(); ++m) {
     if ((*samples_)[m].empty()) continue;
@@ -106,7 +102,7 @@ std::optional<PhotometricState> PhotometricProblem::step(const PhotometricState&
 
 double PhotometricProblem::distance(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const {
   SharedVector right;
-  const Eigen::Matrix<double, 6, 1> d = poseDifference(a, b);
+  const Vector6d d = poseDifference(a, b);
   const Shared H = reduced(0.0, right);
   // The blur follows the pose.
   const Matrix6d pose = H.topLeftCorner<6, 6>();

@@ -110,14 +110,12 @@ std::optional<Matrix6d> poseCovariance(const CameraModel& camera, const Correspo
     const Eigen::Vector3d arm = pose.linear() * points.object[i];
     const Eigen::Vector3d point = arm + pose.translation();
     if (!(point.z() > 1e-6)) return std::nullopt;
-    Eigen::Matrix<double, 3, 6> by_pose;
-    by_pose << Eigen::Matrix3d::Identity(), -cross(arm);
-    const Eigen::Matrix<double, 2, 6> J = camera.projectionJacobian(point) * by_pose;
+    const Eigen::Matrix<double, 2, 6> J = pixelByPose(camera, arm, point);
     information += J.transpose() * J;
     noise += points.sigma[i] * points.sigma[i] * J.transpose() * J;
   }
   // Metres and radians differ by orders of magnitude: judge and invert it scaled to a unit diagonal.
-  const Eigen::Matrix<double, 6, 1> scale = information.diagonal().cwiseSqrt().cwiseInverse();
+  const Vector6d scale = information.diagonal().cwiseSqrt().cwiseInverse();
   if (!scale.allFinite()) return std::nullopt;
   const Matrix6d scaled = scale.asDiagonal() * information * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(scaled);
@@ -137,9 +135,26 @@ Matrix6d transportCovariance(const Matrix6d& covariance, const Eigen::Isometry3d
   return A * covariance * A.transpose();
 }
 
-Eigen::Matrix<double, 6, 1> poseDifference(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+Eigen::Matrix<double, 2, 6> pixelByPose(const CameraModel& camera, const Eigen::Vector3d& arm,
+                                        const Eigen::Vector3d& point) {
+  const Eigen::Matrix<double, 2, 3> by_point = camera.projectionJacobian(point);
+  Eigen::Matrix<double, 2, 6> J;
+  J << by_point, -by_point * cross(arm);
+  return J;
+}
+
+Eigen::Isometry3d movedPose(const Eigen::Isometry3d& a, const Vector6d& change) {
+  Eigen::Isometry3d b = a;
+  b.translation() += change.head<3>();
+  const Eigen::Vector3d turn = change.tail<3>();
+  const double angle = turn.norm();
+  if (angle > 0.0) b.linear() = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() * a.linear();
+  return b;
+}
+
+Vector6d poseDifference(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   const Eigen::AngleAxisd turn(b.linear() * a.linear().transpose());
-  Eigen::Matrix<double, 6, 1> difference;
+  Vector6d difference;
   difference << b.translation() - a.translation(), turn.angle() * turn.axis();
   return difference;
 }

@@ -29,6 +29,15 @@ bool homography(const std::vector<Eigen::Vector2d>& seen, Eigen::Matrix3d& H) {
   return H.allFinite();
 }
 
+/// The shortest turn that takes the optical axis to a unit vector in front of the camera: Rodrigues' formula. (Eigen's
+/// FromTwoVectors has to care for opposite vectors, too, with a decomposition that takes the compiler half a minute.)
+Eigen::Matrix3d fromOpticalAxis(const Eigen::Vector3d& d) {
+  const double x = d.x(), y = d.y(), n = 1.0 / (1.0 + d.z());
+  Eigen::Matrix3d R;
+  R << 1.0 - n * x * x, -n * x * y, x, -n * x * y, 1.0 - n * y * y, y, -x, -y, d.z();
+  return R;
+}
+
 /// Translation that fits best to the corners under a rotation, in the least squares of x - z u.
 Eigen::Vector3d translation(const Correspondences& corners, const Eigen::Matrix3d& R) {
   Eigen::Matrix<double, 8, 3> A;
@@ -60,8 +69,7 @@ std::vector<Eigen::Isometry3d> squareSolutions(const Correspondences& corners) {
   // The picture of the square's middle, and how the picture changes about it.
   const Eigen::Vector2d v = H.block<2, 1>(0, 2);
   const Eigen::Matrix2d J = H.topLeftCorner<2, 2>() - v * H.block<1, 2>(2, 0);
-  const Eigen::Matrix3d Rv =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), v.homogeneous().normalized()).toRotationMatrix();
+  const Eigen::Matrix3d Rv = fromOpticalAxis(v.homogeneous().normalized());
   const Eigen::Matrix2d B = Rv.topLeftCorner<2, 2>() - v * Rv.block<1, 2>(2, 0);
   const Eigen::Matrix2d A = B.inverse() * J;
   // The larger singular value is what a length along the axis of the tilt is scaled by.

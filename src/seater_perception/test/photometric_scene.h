@@ -19,7 +19,7 @@ namespace photo_scene {
 using Eigen::Isometry3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
+using seater_perception::Vector6d;
 
 struct View {
   seater_perception::Calibration camera = scene::calibration();

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "branch_seeds.h"
 #include "photometric_scene.h"
 #include "seater_perception/errors.h"
 #include "seater_perception/fast_normal.h"
@@ -16,7 +17,6 @@ using namespace seater_perception;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using photo_scene::View;
-using Vector6d = photo_scene::Vector6d;
 
 namespace {
 
@@ -441,6 +441,15 @@ TEST(Photometric, ResidualsTellTheBranches) {
   EXPECT_LT(photo_scene::errorOf(chosen.result.pose, view.pose).tail<3>().norm(), 1.0 * kDegree);
   EXPECT_GT(chosen.weight, 0.99);
   EXPECT_NEAR(branches[0].weight + branches[1].weight, 1.0, 1e-9);
+
+  // A marker that is followed begins with what is known of it; what such a fit shows is said, too.
+  const PhotometricStart known{chosen.result.blur_sd, chosen.result.brightness[0]};
+  const std::vector<Eigen::Isometry3d> both{chosen.result.pose, mirrored(chosen.result.pose)};
+  const auto followed = PhotometricRefiner({}).refineBranches(grey, camera, placementsOf(view), both, known);
+  ASSERT_EQ(followed.size(), 2u);
+  EXPECT_TRUE(followed[0].result.converged && !followed[0].hopeless);
+  EXPECT_TRUE(!followed[1].result.converged && followed[1].hopeless);
+  EXPECT_EQ(followed[0].weight, 1.0);
 }
 
 // Edges along the pixels' borders, without blur and noise, black and white at the sensor's ends: as people draw them.

@@ -10,7 +10,6 @@
 #include "scene.h"
 
 using namespace seater_perception;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 namespace {
 
@@ -153,6 +152,39 @@ TEST(Covariance, growsWhenTheResidualCannotBeChance) {
   const auto bent = estimateMarker(camera, marker, print.size, upright(), parameters);
   ASSERT_TRUE(exact && bent);
   EXPECT_GT(bent->best().covariance.trace(), 20.0 * exact->best().covariance.trace());
+}
+
+TEST(Poses, pixelsMoveAsTheDerivativeSays) {
+  Calibration c = scene::calibration();
+  c.D = {-0.21, 0.12, 0.001, -0.0015, -0.03};
+  const auto camera = CameraModel::raw(c);
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() << 0.2, -0.1, 1.3;
+  pose.linear() = Eigen::AngleAxisd(0.7, Eigen::Vector3d(0.3, -0.8, 0.5).normalized()).toRotationMatrix();
+  const Eigen::Vector3d object(0.04, -0.05, 0.02);
+  const Eigen::Vector3d arm = pose.linear() * object;
+  const auto J = pixelByPose(camera, arm, arm + pose.translation());
+  const double step = 1e-6;
+  for (int k = 0; k < 6; ++k) {
+    const Vector6d change = step * Vector6d::Unit(k);
+    const auto ahead = camera.project(movedPose(pose, change) * object),
+               behind = camera.project(movedPose(pose, -change) * object);
+    ASSERT_TRUE(ahead && behind);
+    EXPECT_LT((J.col(k) - (*ahead - *behind) / (2.0 * step)).norm(), 1e-5 * J.col(k).norm() + 1e-6) << "axis " << k;
+  }
+}
+
+TEST(Poses, movedByADifferenceIsTheOtherPose) {
+  Eigen::Isometry3d a = Eigen::Isometry3d::Identity(), b = a;
+  a.translation() << 0.1, 0.2, 1.0;
+  a.linear() = Eigen::AngleAxisd(2.0, Eigen::Vector3d(0.1, 0.9, -0.2).normalized()).toRotationMatrix();
+  b.translation() << -0.3, 0.1, 2.0;
+  EXPECT_TRUE(movedPose(a, poseDifference(a, b)).isApprox(b, 1e-12));
+  EXPECT_TRUE(movedPose(a, Vector6d::Zero()).isApprox(a, 0.0));
+  // Turned about its own origin, by a turn of the optical frame.
+  const Vector6d quarter = 0.5 * M_PI * Vector6d::Unit(5);
+  EXPECT_TRUE(movedPose(b, quarter).linear().col(0).isApprox(Eigen::Vector3d::UnitY(), 1e-12));
+  EXPECT_TRUE(movedPose(b, quarter).translation().isApprox(b.translation(), 0.0));
 }
 
 TEST(Poses, exactCornersGiveTheExactPose) {

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,28 @@ class Trajectory:
             return None
         outside = np.flatnonzero(~inside)
         return float(self.times[outside[-1] + 1] if len(outside) else self.times[0])
+
+
+def quickest(runs: Sequence[Trajectory]) -> Trajectory:
+    """The same run, driven several times: each cycle at the shortest time it took. What delayed a cycle in one run and
+    not in all of them was the machine and not the work.
+
+    Raises ValueError when the commands differ, for then it was not the same run."""
+    first = runs[0]
+    if any(not np.array_equal(first.commands, run.commands) for run in runs[1:]):
+        raise ValueError("repeated runs differ: their cycles cannot be compared")
+
+    def least(of: Callable[[Trajectory], Array]) -> Array:
+        shortest: Array = np.minimum.reduce([of(run) for run in runs])
+        return shortest
+
+    return replace(
+        first,
+        cycle_times=least(lambda run: run.cycle_times),
+        cycle_cpu=least(lambda run: run.cycle_cpu),
+        solve_times=least(lambda run: run.solve_times),
+        solve_cpu=least(lambda run: run.solve_cpu),
+    )
 
 
 def within(poses: Array, tolerance: Tolerance) -> NDArray[np.bool_]:

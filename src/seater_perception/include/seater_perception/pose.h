@@ -9,6 +9,7 @@
 namespace seater_perception {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// Points of an object and where they were seen.
 struct Correspondences {
@@ -49,8 +50,16 @@ std::optional<Matrix6d> poseCovariance(const CameraModel& camera, const Correspo
 Matrix6d transportCovariance(const Matrix6d& covariance, const Eigen::Isometry3d& T_a_b,
                              const Eigen::Isometry3d& T_b_c);
 
-/// (d, w) with b = a moved so: t_b = t_a + d, R_b = exp([w]x) R_a, the rotation's angle at most pi.
-Eigen::Matrix<double, 6, 1> poseDifference(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
+/// Derivative of the pixel of a point by the pose, (d, w) as above. `arm` is the point turned into the optical frame,
+/// R * point, and `point` the same displaced, R * point + t, in front of the camera [m].
+Eigen::Matrix<double, 2, 6> pixelByPose(const CameraModel& camera, const Eigen::Vector3d& arm,
+                                        const Eigen::Vector3d& point);
+
+/// `a` moved by (d, w): t_a + d, exp([w]x) R_a.
+Eigen::Isometry3d movedPose(const Eigen::Isometry3d& a, const Vector6d& change);
+
+/// (d, w) with b = movedPose(a, (d, w)), the rotation's angle at most pi.
+Vector6d poseDifference(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
 
 /// True when both poses are the same for practical purposes: within 0.001 rad, and 0.0001 of the distance.
 bool samePose(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
