@@ -1,5 +1,6 @@
 """Parts of the perception commands: conventions of the peers, errors, bars."""
 
+import ctypes
 import os
 import signal
 from pathlib import Path
@@ -17,6 +18,7 @@ from seater_eval.perception.negatives import KINDS, OTHER_IDS, negative
 from seater_eval.perception.peers import PEERS, dictionary_of, make_peer
 from seater_eval.perception.render import Print, clean_picture, corners_of, exposed
 from seater_eval.perception.scenes import facing, normal_error, normalised_error_squared, pose_error, upright
+from seater_eval.perception.silence import silence
 from seater_eval.perception_accuracy import accuracy_bars
 from seater_eval.perception_range import PAPER, range_bars
 from seater_eval.perception_shadows import ShadowJob, shadow_bars, shadow_picture
@@ -25,6 +27,18 @@ from seater_eval.perception_speed import speed_bars
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 CAMERA = load_degraded_camera(CONFIG / "cameras" / "degraded.yaml")
 POSE = facing(0.03, -0.02, 0.6, 0.3, 0.05, 0.1)
+
+
+def test_what_c_code_prints_goes_nowhere(capfd: pytest.CaptureFixture[str]) -> None:
+    libc = ctypes.CDLL(None)
+    libc.puts(b"before")  # still in C's buffer when the silence begins
+    with pytest.raises(KeyError), silence():
+        libc.puts(b"not to be read")  # in the buffer when it ends
+        os.write(2, b"nor this")
+        raise KeyError
+    libc.puts(b"afterwards")
+    libc.fflush(None)
+    assert capfd.readouterr() == ("before\nafterwards\n", "")
 
 
 @pytest.mark.parametrize("name", ["seater", *PEERS])

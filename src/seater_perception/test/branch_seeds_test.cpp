@@ -56,7 +56,8 @@ TEST(BranchSeeds, TiltedIsSteepEnoughAndGoesTheSameWay) {
   const Eigen::Isometry3d steeper = farMarker(0.9, 0.0);
   EXPECT_TRUE(samePose(tilted(steeper, 0.3), steeper));
   Eigen::Isometry3d frontal = flat;  // normal exactly towards the camera
-  frontal.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), sight).toRotationMatrix();
+  const Eigen::Vector3d right = Eigen::Vector3d::UnitY().cross(sight).normalized();
+  frontal.linear() << right, sight.cross(right), sight;
   EXPECT_NEAR(tilt(tilted(frontal, 0.3)), 0.3, 1e-6);
 }
 

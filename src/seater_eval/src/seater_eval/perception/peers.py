@@ -3,16 +3,14 @@ numbers, poses T_optical_marker with x right, y up as the print is read, z out o
 
 from __future__ import annotations
 
-import ctypes
-import os
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+
+from seater_eval.perception.silence import silence
 
 Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
@@ -103,31 +101,6 @@ def _scaled_sub_pixel(picture: Picture, corners: NDArray[np.float32], cells: int
     return np.asarray(refined.reshape(1, 4, 2))
 
 
-@contextmanager
-def _silence() -> Iterator[None]:
-    """What C code prints meanwhile goes nowhere."""
-    sys.stdout.flush()
-    sys.stderr.flush()
-    _flush_c_output()
-    kept = [os.dup(1), os.dup(2)]
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    try:
-        for target in (1, 2):
-            os.dup2(nowhere, target)
-        yield
-    finally:
-        _flush_c_output()
-        for target, original in zip((1, 2), kept, strict=True):
-            os.dup2(original, target)
-            os.close(original)
-        os.close(nowhere)
-
-
-def _flush_c_output() -> None:
-    """Of all C streams of the process: what is buffered would appear after the silence."""
-    ctypes.CDLL(None).fflush(None)
-
-
 def _pupil_apriltags(K: Array, size: float) -> Detector:
     """AprilTag 3 at full resolution (quad_decimate 1): its most accurate setting, not its fastest."""
     from pupil_apriltags import Detector as AprilTagDetector
@@ -147,7 +120,7 @@ def _pupil_apriltags(K: Array, size: float) -> Detector:
 
     def detect(picture: Picture) -> list[Seen]:
         seen = []
-        with _silence():  # it tells on standard output of poses with more than two minima
+        with silence():  # it tells on standard output of poses with more than two minima
             tags = detector.detect(picture, estimate_tag_pose=True, camera_params=camera, tag_size=size)
         for tag in tags:
             pose = np.eye(4)
