@@ -154,8 +154,10 @@ def test_speed_bars() -> None:
     slow = [speed_row("seater search", 14.0), speed_row("seater tracking", 4.0), speed_row("opencv_none", 10.0)]
     assert not any(bar.met for bar in speed_bars({"rows": slow}))
     assert not any(bar.met for bar in speed_bars({"rows": good[2:]}))
-    quick_but_blind = [row | {"found": 0.8} for row in good]
+    quick_but_blind = [row | {"found": 0.8} for row in good[:2]] + good[2:]
     assert not any(bar.met for bar in speed_bars({"rows": quick_but_blind}))
+    plain_is_blind = good[:2] + [good[2] | {"found": 0.8}]
+    assert all(bar.met and "plain finds 0.8" in bar.note for bar in speed_bars({"rows": plain_is_blind}))
 
 
 def test_the_track_is_not_measured_where_it_is_off() -> None:
