@@ -76,3 +76,23 @@ TEST(BranchSeeds, TheOtherBranchIsOpenUntilSomethingDecides) {
   for (auto& corner : marker.image.corners) corner *= 3.0;
   EXPECT_FALSE(otherBranchOpen(marker, branches, one));
 }
+
+TEST(BranchSeeds, SharpCornersOfALargeMarkerDecide) {
+  DetectedMarker marker = smallMarker();
+  for (auto& corner : marker.image.corners) corner *= 3.0;
+  marker.image.edges_fitted = true;
+  marker.hypotheses.resize(2);
+  marker.hypotheses[0].pose = farMarker(0.4, 0.1);
+  marker.hypotheses[1].pose = mirrored(marker.hypotheses[0].pose);
+  marker.hypotheses[1].chi_squared = 20.0;
+  ASSERT_EQ(openSeeds(marker).size(), 1u);
+  EXPECT_TRUE(samePose(openSeeds(marker)[0], marker.hypotheses[0].pose));
+  marker.hypotheses[1].chi_squared = 10.0;
+  EXPECT_EQ(openSeeds(marker).size(), 2u);
+  marker.hypotheses[1].chi_squared = 20.0;
+  marker.image.edges_fitted = false;
+  EXPECT_EQ(openSeeds(marker).size(), 2u);
+  marker.image.edges_fitted = true;
+  for (auto& corner : marker.image.corners) corner /= 3.0;
+  EXPECT_EQ(openSeeds(marker).size(), 2u);
+}
