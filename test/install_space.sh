@@ -3,7 +3,9 @@
 # usage: install_space.sh ROOT
 set -euo pipefail
 root=$1 prefix=$1/install
-rm -rf "$prefix"
+# CATKIN_IGNORE stays: without it, other tests that run meanwhile would find packages here that are just being removed.
+mkdir -p "$prefix" && touch "$prefix/CATKIN_IGNORE"
+find "$prefix" -mindepth 1 -maxdepth 1 ! -name CATKIN_IGNORE -exec rm -rf {} +
 cmake --install "$root/build"
 # Nothing of the build or devel space may help.
 unset CMAKE_PREFIX_PATH ROS_PACKAGE_PATH PYTHONPATH LD_LIBRARY_PATH PKG_CONFIG_PATH ROSLISP_PACKAGE_DIRECTORIES

@@ -246,10 +246,8 @@ std::vector<PhotometricBranch> PhotometricRefiner::refineBranches(const cv::Mat&
     best = std::min(best, b.chi_square);
   }
   for (PhotometricBranch& b : branches) {
-    // What the first look would have given up.
-    // A fit that began with the brightness has had no first look.
-    b.hopeless |= b.result.converged && start.brightness && b.chi_square - best > kClearlyWorse;
-    b.result.converged &= !b.hopeless;
+    // What the first look would have given up. Not called hopeless: for a small marker the other branch is looked for.
+    if (start.brightness && b.result.converged && b.chi_square - best > kClearlyWorse) b.result.converged = false;
     if (b.result.converged) sum += b.weight = std::exp(-0.5 * (b.chi_square - best));
   }
   for (PhotometricBranch& b : branches) b.weight = sum > 0.0 ? b.weight / sum : 0.0;

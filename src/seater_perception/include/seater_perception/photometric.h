@@ -51,7 +51,7 @@ struct PhotometricBranch {
   PhotometricResult result;
   double chi_square = 0.0;  ///< robust, on the pixels common to all branches
   double weight = 0.0;
-  bool hopeless = false;  ///< clearly worse than another, as a first look or the whole fit has shown
+  bool hopeless = false;  ///< a first look showed that it is clearly worse than another
 };
 
 /// What is known before a fit begins.
