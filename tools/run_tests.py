@@ -90,6 +90,10 @@ def exit_code(name: str, words: list[str], **environment: str) -> Tally:
     return Tally(failed=1, problems=[f"{name}: exit code {code}\n{tail(log)}"])
 
 
+def by_exit_code(name: str, words: list[str], **environment: str) -> Check:
+    return Check(name, partial(exit_code, name, words, **environment))
+
+
 def cases_of(report: Path) -> list[ElementTree.Element]:
     """The test cases of a JUnit file; none when a crash left it half written."""
     try:
@@ -163,27 +167,23 @@ def packages() -> list[Path]:
 
 
 def lint() -> Iterator[Check]:
-    def check(name: str, words: list[str], **environment: str) -> Check:
-        return Check(name, partial(exit_code, name, words, **environment))
-
     for package in packages():
         words = ["catkin_lint", "-W2", "--strict", str(package)]
         if package.parent == ROOT:  # config/ and test/ are named for people who look into the repository
             words += ["--ignore", "package_path_name"]
-        yield check(f"catkin_lint_{package.name}", words)
-    yield check("ruff_check", ["ruff", "check", "."])
-    yield check("ruff_format", ["ruff", "format", "--check", "."])
+        yield by_exit_code(f"catkin_lint_{package.name}", words)
+    yield by_exit_code("ruff_check", ["ruff", "check", "."])
+    yield by_exit_code("ruff_format", ["ruff", "format", "--check", "."])
     sources = [p / "src" for p in packages() if (p / "src" / p.name.replace("test", "seater_test")).is_dir()]
     path = ":".join(str(s) for s in sources)
-    yield check("mypy", ["mypy", *(str(s) for s in sources)], MYPYPATH=path)
+    yield by_exit_code("mypy", ["mypy", *(str(s) for s in sources)], MYPYPATH=path)
     cpp = sorted(str(f) for end in ("h", "cpp") for f in ROOT.glob(f"src/**/*.{end}"))
-    yield check("clang_format", ["clang-format", "--dry-run", "--Werror", *cpp])
+    yield by_exit_code("clang_format", ["clang-format", "--dry-run", "--Werror", *cpp])
 
 
 def install_space() -> Iterator[Check]:
     """`cmake --install`, then one docking from there with nothing of the build sourced."""
-    words = ["bash", "test/install_space.sh", str(ROOT)]
-    yield Check("install_space", partial(exit_code, "install_space", words))
+    yield by_exit_code("install_space", ["bash", "test/install_space.sh", str(ROOT)])
 
 
 def evaluations() -> Iterator[Check]:

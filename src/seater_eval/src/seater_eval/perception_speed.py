@@ -225,12 +225,9 @@ def draw_speed(data: dict[str, Any], path: Path) -> Path:
             if not rows:
                 continue
             x, y = [r["markers"] for r in rows], [r["cpu_ms"]["median"] for r in rows]
-            axis.loglog(x, y, "-", color=COLOURS[name])
-            for good, inside in ((True, COLOURS[name]), (False, "white")):  # hollow: the time of finding too few
-                these = [r for r in rows if _found(r) == good]
-                at = [r["markers"] for r in these], [r["cpu_ms"]["median"] for r in these]
-                axis.plot(*at, "o", color=COLOURS[name], markerfacecolor=inside)
-            axis.plot([], [], "o-", color=COLOURS[name], label=LABELS.get(name, name))
+            axis.loglog(x, y, "o-", color=COLOURS[name], label=LABELS.get(name, name))
+            few = [k for k, row in enumerate(rows) if not _found(row)]
+            axis.plot([x[k] for k in few], [y[k] for k in few], "o", color=COLOURS[name], markerfacecolor="white")
         ticks = sorted({row["markers"] for row in data["rows"]})
         axis.set_xticks(ticks, [str(t) for t in ticks])
         marks = (0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
