@@ -1,6 +1,6 @@
 // Both poses under which a marker looks nearly the same.
 
-#include "branch_seeds.h"
+#include "photometric/branch_seeds.h"
 
 #include <gtest/gtest.h>
 

@@ -7,8 +7,8 @@
 #include <ctime>
 
 #include "scene.h"
+#include "search/outline/edge_fit.h"
 #include "seater_perception/draw.h"
-#include "seater_perception/edge_fit.h"
 
 using namespace seater_perception;
 

@@ -1,7 +1,7 @@
 // Fits that begin at the last picture's poses: what is expected of a followed marker, and that its results are those of
 // a detector that knows no history.
 
-#include "seater_perception/marker_track.h"
+#include "pipeline/marker_track.h"
 
 #include <gtest/gtest.h>
 

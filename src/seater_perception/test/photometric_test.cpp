@@ -4,14 +4,14 @@
 
 #include <cmath>
 
-#include "branch_seeds.h"
+#include "marker/photometric_model.h"
+#include "numerics/fast_normal.h"
+#include "photometric/branch_seeds.h"
+#include "photometric/kernel/photometric_kernel.h"
+#include "photometric/samples/photometric_samples.h"
 #include "photometric_scene.h"
+#include "pose/marker_pose.h"
 #include "seater_perception/errors.h"
-#include "seater_perception/fast_normal.h"
-#include "seater_perception/marker_pose.h"
-#include "seater_perception/photometric_kernel.h"
-#include "seater_perception/photometric_model.h"
-#include "seater_perception/photometric_samples.h"
 
 using namespace seater_perception;
 using Eigen::Isometry3d;

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pose/marker_pose.h"
 #include "scene.h"
-#include "seater_perception/marker_pose.h"
 
 using namespace seater_perception;
 

@@ -1,6 +1,6 @@
 // The edge of a shadow across a marker: found, taken away, and the marker read as if it were not there.
 
-#include "seater_perception/shadow_edge.h"
+#include "search/code/shadow_edge.h"
 
 #include <gtest/gtest.h>
 

@@ -5,12 +5,12 @@
 #include <set>
 #include <vector>
 
+#include "photometric/photometric_stage.h"
+#include "pose/dock_pose.h"
+#include "search/marker_detector.h"
 #include "seater_perception/camera_model.h"
 #include "seater_perception/dock_layout.h"
-#include "seater_perception/dock_pose.h"
-#include "seater_perception/marker_detector.h"
 #include "seater_perception/parameters.h"
-#include "seater_perception/photometric_stage.h"
 
 namespace cv {
 class Mat;

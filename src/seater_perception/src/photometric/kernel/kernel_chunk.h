@@ -1,0 +1,21 @@
+// A chunk of pixels on its way through the photometric kernel; small enough to stay in the processor's first cache.
+#pragma once
+
+#include "numerics/fast_normal.h"
+#include "photometric/kernel/photometric_kernel.h"
+
+namespace seater_perception {
+
+constexpr int kChunk = 128;
+
+/// White of each pixel of the chunk and its derivatives: motion (6), blur (0, 1 or 3).
+struct Chunk {
+  alignas(64) float white[kChunk];
+  alignas(64) float by[9][kChunk];
+  alignas(64) float outside[kChunk];  // share that is beyond the quiet zone
+};
+
+/// Pixels first .. first + n - 1 of the batch (n a multiple of PixelBatch::kLanes, at most kChunk).
+void renderChunk(const PixelBatch& batch, int first, int n, const MarkerView& view, int blur, Chunk& chunk);
+
+}  // namespace seater_perception

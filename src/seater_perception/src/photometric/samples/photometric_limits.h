@@ -1,0 +1,15 @@
+// Where the photometric model is valid.
+#pragma once
+
+#include "marker/marker_plane.h"
+
+namespace seater_perception {
+
+/// Blur of the lens and the pixel's area, as a ray sees it.
+SpreadCovariance withArea(const SpreadCovariance& blur, int rays_per_pixel);
+/// Whether the model holds for this point-spread function.
+bool possible(const SpreadCovariance& spread);
+/// Brings an estimated blur back to where the model holds.
+void keepPossible(SpreadCovariance& blur, int rays_per_pixel);
+
+}  // namespace seater_perception

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "pose/hypotheses.h"
+#include "search/marker_detector.h"
+
+namespace seater_perception {
+
+/// A marker whose pose is known: what is published of it.
+struct DetectedMarker {
+  MarkerCorners image;                     ///< id and corners in the picture
+  double size = 0.0;                       ///< side of the print [m]
+  std::vector<PoseHypothesis> hypotheses;  ///< of T_optical_marker: one or two, most probable first
+  double ambiguity = 0.0;                  ///< error of the first / error of the second; 0 when there is no second one
+  bool branch_known = false;               ///< other markers or pictures tell which of the two poses it is
+
+  const PoseHypothesis& best() const { return hypotheses.front(); }
+  /// Covariance of best().pose for those who see no other hypothesis: covers all of them.
+  Matrix6d covariance() const { return mixtureCovariance(hypotheses); }
+};
+
+/// The four corners of a marker of side `size` [m], in its own frame; nothing when they cannot be undistorted.
+std::optional<Correspondences> markerCorrespondences(const CameraModel& camera, const MarkerCorners& marker,
+                                                     double size, const PoseParameters& parameters);
+
+/// Both poses of a square under which its corners are seen here, to first order about its middle (Collins and Bartoli,
+/// "Infinitesimal plane-based pose estimation", IJCV 2014), smaller error first. They are equal for an exactly frontal
+/// one. `corners.object`: as of markerCorners. Nothing when three corners are in a line.
+std::vector<Eigen::Isometry3d> squareSolutions(const Correspondences& corners);
+
+/// Pose of one marker: both solutions, each refined, weighed by reprojection error and prior. Nothing when the pose is
+/// degenerate or its reprojection error is larger than parameters allow.
+std::optional<DetectedMarker> estimateMarker(const CameraModel& camera, const MarkerCorners& marker, double size,
+                                             const PosePrior& prior, const PoseParameters& parameters);
+
+}  // namespace seater_perception

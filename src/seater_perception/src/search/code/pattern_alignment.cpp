@@ -1,0 +1,168 @@
+#include "search/code/pattern_alignment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace seater_perception {
+namespace {
+
+constexpr int kBlurs = static_cast<int>(TemplateBook::kBlurs.size());
+constexpr double kSmallestStep = 6.0;  // [grey levels] between border and quiet zone
+constexpr int kSteps = 10;
+constexpr double kLongestStep = 0.5;   // [cells] of a corner
+constexpr double kDone = 0.01;         // [cells]
+constexpr double kHopeless = 0.2;      // part explained after some steps
+constexpr int kFewestSeen = 60;        // [percent] of the samples
+constexpr double kCoverable = 5.0;     // [px] cells from which on a part of border and quiet zone may be covered
+constexpr double kCovered = 0.3;       // of the contrast: a sample that deviates more there is covered
+constexpr double kMostCovered = 0.15;  // of all samples
+// Paths of a moving picture that are tried, and the blur of one that stands still [px].
+constexpr double kPaths[] = {5.0, 8.0}, kStillBlur = 1.1;
+constexpr int kDirections = 4;
+
+}  // namespace
+
+const PatternTemplate& PatternAligner::templateOf(const Alignment& a) const {
+  return a.moving ? *a.moving : book_.of(a.id, a.blur);
+}
+
+bool PatternAligner::look(const PictureLevels& picture, Alignment& a) const {
+  picture.sample(a.quad, book_.grid(), a.samples);
+  if (a.free.size() > 0) {
+    a.samples.weights.array() *= a.free.array();
+    a.samples.grey.array() *= a.free.array();
+  }
+  return 100 * a.samples.seen >= kFewestSeen * book_.grid().size();
+}
+
+/// Dark border, lighter quiet zone: what nearly everything that is no marker lacks.
+bool PatternAligner::hasBorder(const PictureLevels::Samples& samples) const {
+  const PatternGrid& grid = book_.grid();
+  float sum[3] = {}, count[3] = {};
+  for (int row = 0, i = 0; row < grid.along(); ++row) {
+    for (int column = 0; column < grid.along(); ++column, ++i) {
+      const int ring = grid.ring(row, column);
+      sum[ring] += samples.grey[i];
+      count[ring] += samples.weights[i];
+    }
+  }
+  return count[0] > 0.0f && count[1] > 0.0f && sum[0] / count[0] - sum[1] / count[1] > kSmallestStep;
+}
+
+/// Gauss-Newton.
+bool PatternAligner::descend(const PictureLevels& picture, Alignment& a) const {
+  static const Eigen::Vector2d kCorners[] = {{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}};
+  const PatternTemplate& pattern = templateOf(a);
+  const double cell = 2.0 / book_.grid().cells();
+  for (int step = 0; step < kSteps; ++step) {
+    if (!look(picture, a)) return false;
+    const auto fit = pattern.fit(a.samples.grey, a.weights(), true);
+    if (!fit || !(fit->gain > 0.0) || (step > 2 && fit->explained < kHopeless)) return false;
+    a.fit = *fit;
+    double longest = 0.0;
+    for (const auto& c : kCorners) {
+      longest = std::max(longest, (PatternTemplate::moved(fit->motion, c) - c).norm() / cell);
+    }
+    if (longest < kDone) return true;
+    const Eigen::Matrix<double, 8, 1> motion = -std::min(1.0, kLongestStep / longest) * fit->motion;
+    const SquareToQuad map(a.quad);
+    for (std::size_t i = 0; i < 4; ++i) a.quad[i] = map(PatternTemplate::moved(motion, kCorners[i]));
+    if (!(meanSide(a.quad) > 4.0 && meanSide(a.quad) < 1e5)) return false;
+  }
+  return look(picture, a);
+}
+
+/// The blur that explains most; false when it is the one at hand.
+bool PatternAligner::chooseBlur(Alignment& a) const {
+  if (a.moving) return false;
+  const auto explained = [&](int blur) {
+    if (blur < 0 || blur >= kBlurs) return -1.0;
+    const auto fit = book_.of(a.id, blur).fit(a.samples.grey, a.weights(), false);
+    return fit && fit->gain > 0.0 ? fit->explained : -1.0;
+  };
+  const int before = a.blur;
+  double best = explained(a.blur);
+  for (const int direction : {-1, 1}) {
+    for (double next; (next = explained(a.blur + direction)) > best; best = next) a.blur += direction;
+  }
+  return a.blur != before;
+}
+
+bool PatternAligner::align(const PictureLevels& picture, Alignment& a) const {
+  if (!descend(picture, a)) return false;
+  for (int round = 0; round < 2 && chooseBlur(a); ++round) {
+    if (!descend(picture, a)) return false;
+  }
+  const auto fit = templateOf(a).fit(a.samples.grey, a.weights(), false);
+  if (fit) a.fit = *fit;
+  return fit && fit->gain > 0.0;
+}
+
+double PatternAligner::worstBit(const Alignment& a) const {
+  const int along = book_.grid().along();
+  const Eigen::VectorXf residual = (a.samples.grey - templateOf(a).grey(a.fit)).cwiseProduct(a.samples.weights);
+  const double turning = 0.5 * a.fit.gain * templateOf(a).ownShare();
+  double worst = 0.0;
+  for (int row = 1; row + 2 < along; row += 2) {
+    for (int column = 1; column + 2 < along; column += 2) {
+      double sum = 0.0, seen = 0.0;
+      for (const int i : {row * along + column, row * along + column + 1, (row + 1) * along + column,
+                          (row + 1) * along + column + 1}) {
+        sum += residual[i];
+        seen += a.samples.weights[i];
+      }
+      // A cell of the code that is out of the picture proves nothing; one of the border may be.
+      if (seen == 0.0 && book_.grid().ring(row, column) == 2) return std::numeric_limits<double>::infinity();
+      if (seen > 0.0) worst = std::max(worst, std::abs(sum / seen) / turning);
+    }
+  }
+  return worst;
+}
+
+bool PatternAligner::leaveOutCovered(Alignment& a) const {
+  const PatternGrid& grid = book_.grid();
+  if (meanSide(a.quad) < kCoverable * grid.cells()) return false;
+  const Eigen::VectorXf residual = a.samples.grey - templateOf(a).grey(a.fit);
+  Eigen::VectorXf free = Eigen::VectorXf::Ones(grid.size());
+  for (int row = 0, i = 0; row < grid.along(); ++row) {
+    for (int column = 0; column < grid.along(); ++column, ++i) {
+      if (grid.ring(row, column) < 2 && std::abs(residual[i]) > kCovered * a.fit.gain) free[i] = 0.0f;
+    }
+  }
+  const float covered = static_cast<float>(grid.size()) - free.sum();
+  a.free = free;
+  return covered > 0.0f && covered < kMostCovered * static_cast<float>(grid.size());
+}
+
+bool PatternAligner::alignMoving(const PictureLevels& picture, Alignment& a) const {
+  // How the picture changes by a cell's length, at the middle.
+  const SquareToQuad map(a.quad);
+  const double cell = 2.0 / book_.grid().cells(), step = 0.5 * cell;
+  Eigen::Matrix2d by_cell;
+  by_cell << (map({step, 0.0}) - map({-step, 0.0})), (map({0.0, step}) - map({0.0, -step}));
+  const Eigen::Matrix2d to_cells = by_cell.inverse();
+  if (!to_cells.allFinite()) return false;
+  std::optional<Alignment> best;
+  for (const double path : kPaths) {
+    for (int direction = 0; direction < kDirections; ++direction) {
+      const double angle = M_PI * direction / kDirections;
+      const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
+      const Eigen::Matrix2d spread =
+          kStillBlur * kStillBlur * Eigen::Matrix2d::Identity() + path * path / 12.0 * along * along.transpose();
+      Alignment b;
+      b.id = a.id;
+      b.blur = a.blur;
+      b.quad = a.quad;
+      b.moving = std::make_shared<PatternTemplate>(book_.grid(), book_.pattern(a.id),
+                                                   Eigen::Matrix2d(to_cells * spread * to_cells.transpose()));
+      if (align(picture, b) && (!best || b.fit.explained > best->fit.explained)) best = b;
+    }
+  }
+  if (!best) return false;
+  a = *best;
+  return true;
+}
+
+}  // namespace seater_perception

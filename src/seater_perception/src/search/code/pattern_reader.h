@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "search/code/pattern_template.h"
+#include "search/code/picture_levels.h"
+#include "search/code/shadow_edge.h"
+#include "search/outline/quad_search.h"
+
+namespace seater_perception {
+
+/// What a quadrilateral shows.
+struct PatternReading {
+  int id = 0;
+  Quad corners;              ///< top-left, top-right, bottom-right, bottom-left as the print is read [px]
+  double correlation = 0.0;  ///< of the grey levels, quiet zone and border included, with the code's
+  double margin = 0.0;       ///< of correlation over the next best code or orientation
+  double worst_bit = 0.0;    ///< largest deviation of a cell, of what would turn its bit round: below 1
+  /// -log((1 - correlation^2) worst_bit): both together. What only resembles a marker has one of them at most.
+  /// Each sample left out as covered counts 0.25 against it.
+  double evidence = 0.0;
+  int blur = -1;  ///< of the fitted code: number of TemplateBook::kBlurs
+  /// Grey level of its ink, and of its paper over that; contrast 0: a part is covered, or the picture moved.
+  double dark = 0.0, contrast = 0.0;
+};
+
+/// Compares quadrilaterals with the codes of a dictionary. Grey levels are taken at four points of each cell and in the
+/// quiet zone, and correlated with every code in its four orientations; then the most likely code, blurred as the
+/// camera does, is fitted to them by moving its plane (Gauss-Newton). So corners are exact to about 0.1 px, codes of
+/// two pixels a cell can be told, and what is not a marker fits badly. Not thread-safe.
+class PatternReader {
+ public:
+  /// `ids`: codes that are looked for; empty: all of the dictionary. Throws ConfigurationError.
+  PatternReader(const std::string& dictionary, const std::set<int>& ids);
+  ~PatternReader();
+  PatternReader(PatternReader&&) noexcept;
+
+  /// The code that a quadrilateral (clockwise in the picture) shows; nothing when there is less than
+  /// `min_evidence`, when another code is about as likely, or when a bit contradicts. Of a large marker, a part of
+  /// border and quiet zone may be covered.
+  std::optional<PatternReading> read(const PictureLevels& picture, const Quad& quad, double min_evidence) const;
+
+  /// The edge of a shadow across what may be a print here, as its quiet zone shows it.
+  std::optional<ShadowEdge> shadowEdge(const PictureLevels& picture, const Quad& quad) const;
+
+  /// A known code whose corners are about here (in the print's order), at most `reach` [px] away (0: only what the fit
+  /// itself reaches, about a third of a cell). `blur`: of its reading in the last picture, tried first; -1: not known.
+  std::optional<PatternReading> follow(int id, const PictureLevels& picture, const Quad& corners, double reach,
+                                       double min_evidence, int blur = -1) const;
+
+  int cells() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace seater_perception

@@ -1,0 +1,129 @@
+#include "search/code/pattern_template.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "marker/photometric_model.h"
+
+namespace seater_perception {
+namespace {
+
+constexpr double kQuarter = 0.25;       // [cells] of the points from the cells' borders
+constexpr double kDamping = 1e-5;       // of the normal equations' diagonal: motions that the samples do not tell
+constexpr double kFewest = 4.0;         // samples for each unknown
+constexpr double kSmallestGain = 1e-3;  // [grey levels]
+
+/// The pattern with a black ring instead of its quiet zone; its coordinates are a cell larger.
+MarkerPattern withDarkRing(const MarkerPattern& pattern) {
+  const int n = pattern.cells() + 2;
+  std::vector<std::vector<int>> rows(static_cast<std::size_t>(n), std::vector<int>(static_cast<std::size_t>(n), 0));
+  for (int row = 1; row + 1 < n; ++row) {
+    for (int column = 1; column + 1 < n; ++column) {
+      rows[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)] =
+          pattern.at(column - 1, n - 2 - row) > 0.5 ? 1 : 0;  // its rows count from the bottom
+    }
+  }
+  return MarkerPattern::fromCells(rows);
+}
+
+/// Mean over the two points of a cell along one axis.
+double shareAlong(double sd) {
+  const auto below = [sd](double at) { return 0.5 * std::erfc(-at / (sd * M_SQRT2)); };
+  return below(1.0 - kQuarter) - below(-kQuarter);
+}
+
+}  // namespace
+
+PatternGrid::PatternGrid(int cells) : cells_(cells), along_(2 * cells + 2) {
+  for (int i = 0; i < along_; ++i) at_.push_back(static_cast<float>((-kQuarter + 0.5 * i) * 2.0 / cells - 1.0));
+}
+
+int PatternGrid::ring(int row, int column) const {
+  const int nearest = std::min({row, column, along_ - 1 - row, along_ - 1 - column});
+  return nearest == 0 ? 0 : nearest <= 2 ? 1 : 2;
+}
+
+PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, double blur)
+    : PatternTemplate(grid, pattern, Eigen::Matrix2d(blur * blur * Eigen::Matrix2d::Identity())) {}
+
+PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, const Eigen::Matrix2d& blur)
+    : columns_(grid.size(), kColumns) {
+  const double sx = std::sqrt(blur(0, 0)), sy = std::sqrt(blur(1, 1)), rho = -blur(0, 1) / (sx * sy);  // pattern: y up
+  own_share_ = shareAlong(sx) * shareAlong(sy);
+  const MarkerPattern dark = withDarkRing(pattern);
+  const double half = 0.5 * grid.cells();
+  for (int row = 0, i = 0; row < grid.along(); ++row) {
+    for (int column = 0; column < grid.along(); ++column, ++i) {
+      const float x = grid.x(column), y = grid.y(row);
+      const PatternResponse p = smoothedPattern(pattern, half * (1.0 + x), half * (1.0 - y), sx, sy, rho);
+      const PatternResponse ring = smoothedPattern(dark, half * (1.0 + x) + 1.0, half * (1.0 - y) + 1.0, sx, sy, rho);
+      const auto dx = static_cast<float>(half * p.by_x), dy = static_cast<float>(-half * p.by_y);
+      const float radial = x * dx + y * dy;
+      columns_.row(i) << 1.0f, x, y, static_cast<float>(p.value), static_cast<float>(p.value - ring.value), dx, x * dx,
+          y * dx, dy, x * dy, y * dy, x * radial, y * radial;
+    }
+  }
+  Triangle normal = (columns_.transpose() * columns_).cast<double>();
+  normal.diagonal() *= 1.0 + kDamping;
+  all_ = normal.llt().matrixL();
+}
+
+Eigen::Vector2d PatternTemplate::moved(const Eigen::Matrix<double, 8, 1>& m, const Eigen::Vector2d& p) {
+  const double radial = m[6] * p.x() + m[7] * p.y();
+  return p + Eigen::Vector2d(m[0] + m[1] * p.x() + m[2] * p.y() + radial * p.x(),
+                             m[3] + m[4] * p.x() + m[5] * p.y() + radial * p.y());
+}
+
+Eigen::VectorXf PatternTemplate::grey(const Fit& fit) const {
+  Eigen::Matrix<float, kQuiet + 1, 1> c;
+  for (std::size_t k = 0; k < 3; ++k) c[static_cast<Eigen::Index>(k)] = static_cast<float>(fit.light[k]);
+  c[kGain] = static_cast<float>(fit.gain);
+  c[kQuiet] = static_cast<float>(fit.quiet);
+  return columns_.leftCols<kQuiet + 1>() * c;
+}
+
+std::optional<PatternTemplate::Fit> PatternTemplate::fit(const Eigen::VectorXf& samples, const Eigen::VectorXf* weights,
+                                                         bool moving) const {
+  Eigen::Matrix<double, kColumns, 1> b;
+  double squares = 0.0;
+  Triangle some;
+  const Triangle* L = &all_;
+  if (weights) {
+    if (weights->sum() < kFewest * kColumns) return std::nullopt;
+    const Columns weighted = weights->asDiagonal() * columns_;
+    some = (weighted.transpose() * columns_).cast<double>();
+    some.diagonal() *= 1.0 + kDamping;
+    const Eigen::LLT<Triangle> factor(some);
+    if (factor.info() != Eigen::Success) return std::nullopt;
+    some = factor.matrixL();
+    L = &some;
+    b = (weighted.transpose() * samples).cast<double>();
+    squares = static_cast<double>(samples.cwiseAbs2().dot(*weights));
+  } else {
+    b = (columns_.transpose() * samples).cast<double>();
+    squares = static_cast<double>(samples.squaredNorm());
+  }
+  // Each element of z is what its column takes away from the root of the squares, after those before it.
+  const Eigen::Matrix<double, kColumns, 1> z = L->triangularView<Eigen::Lower>().solve(b);
+  const double varying = squares - z.head<kGain>().squaredNorm();
+  Fit fit;
+  if (!(varying > 0.0)) return std::nullopt;
+  fit.explained = z.segment<2>(kGain).squaredNorm() / varying;
+  Eigen::Matrix<double, kColumns, 1> c = Eigen::Matrix<double, kColumns, 1>::Zero();
+  constexpr int kFixed = kQuiet + 1;
+  c.head<kFixed>() =
+      L->topLeftCorner<kFixed, kFixed>().triangularView<Eigen::Lower>().transpose().solve(z.head<kFixed>());
+  fit.gain = c[kGain];
+  fit.quiet = c[kQuiet];
+  for (int k = 0; k < kGain; ++k) fit.light[static_cast<std::size_t>(k)] = c[k];
+  if (moving) {
+    c = L->triangularView<Eigen::Lower>().transpose().solve(z);
+    if (!(std::abs(c[kGain]) > kSmallestGain)) return std::nullopt;
+    fit.motion = c.tail<8>() / c[kGain];
+    if (!fit.motion.allFinite()) return std::nullopt;
+  }
+  return fit;
+}
+
+}  // namespace seater_perception

@@ -1,0 +1,97 @@
+#include "search/code/template_book.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/aruco.hpp>
+
+#include "numerics/column_products.h"
+#include "seater_perception/dock_layout.h"
+
+namespace seater_perception {
+namespace {
+
+std::map<int, MarkerPattern> patternsOf(const std::string& dictionary, const std::set<int>& ids) {
+  const auto known = cv::aruco::getPredefinedDictionary(dictionaryNumber(dictionary, "dictionary"));
+  std::map<int, MarkerPattern> patterns;
+  for (int id = 0; id < known->bytesList.rows; ++id) {
+    // A dock may name what its dictionary does not have: that is never found.
+    if (ids.empty() || ids.count(id)) patterns.emplace(id, MarkerPattern::fromDictionary(dictionary, id));
+  }
+  return patterns;
+}
+
+int cellsOf(const std::string& dictionary) {
+  return cv::aruco::getPredefinedDictionary(dictionaryNumber(dictionary, "dictionary"))->markerSize + 2;
+}
+
+}  // namespace
+
+TemplateBook::TemplateBook(const std::string& dictionary, const std::set<int>& ids)
+    : patterns_(patternsOf(dictionary, ids)), grid_(cellsOf(dictionary)), light_(grid_.size(), 3) {
+  for (int row = 0, i = 0; row < grid_.along(); ++row) {
+    for (int column = 0; column < grid_.along(); ++column, ++i) light_.row(i) << 1.0f, grid_.x(column), grid_.y(row);
+  }
+  light_.colwise().normalize();  // the grid is symmetric: they are orthogonal
+}
+
+const PatternTemplate& TemplateBook::of(int id, int blur) const {
+  auto& place = templates_[{id, blur}];
+  if (!place) {
+    place = std::make_unique<PatternTemplate>(grid_, patterns_.at(id), kBlurs[static_cast<std::size_t>(blur)]);
+  }
+  return *place;
+}
+
+const Eigen::MatrixXf& TemplateBook::codes(int blur) const {
+  Eigen::MatrixXf& codes = codes_[static_cast<std::size_t>(blur)];
+  if (codes.cols() > 0) return codes;
+  codes.resize(grid_.size(), 4 * static_cast<Eigen::Index>(patterns_.size()));
+  const int n = grid_.along();
+  Eigen::Index k = 0;
+  for (const auto& [id, pattern] : patterns_) {
+    const Eigen::VectorXf values = of(id, blur).values();
+    for (int turn = 0; turn < 4; ++turn, ++k) {
+      for (int row = 0, i = 0; row < n; ++row) {
+        for (int column = 0; column < n; ++column, ++i) {
+          const int r[] = {row, column, n - 1 - row, n - 1 - column};
+          const int c[] = {column, n - 1 - row, n - 1 - column, row};
+          codes(i, k) = values[r[turn] * n + c[turn]];
+        }
+      }
+    }
+  }
+  codes -= light_ * (light_.transpose() * codes).eval();
+  codes.colwise().normalize();
+  return codes;
+}
+
+std::vector<TemplateBook::Candidate> TemplateBook::compare(const PictureLevels::Samples& samples, int blur,
+                                                           std::size_t count) const {
+  std::vector<Candidate> best;
+  if (patterns_.empty() || samples.seen == 0) return best;
+  // The light that fits best to what was seen.
+  const Eigen::Matrix<float, Eigen::Dynamic, 3> seen = samples.weights.asDiagonal() * light_;
+  const Eigen::Matrix3f normal = light_.transpose() * seen;
+  const Eigen::Vector3f light = normal.ldlt().solve(light_.transpose() * samples.grey);
+  const Eigen::VectorXf rest = samples.grey - seen * light;
+  const float length = rest.norm();
+  if (!(length > 0.0f) || !std::isfinite(length)) return best;
+  const Eigen::MatrixXf& known = codes(blur);
+  Eigen::VectorXf all(known.cols());
+  columnDots(known.data(), static_cast<int>(known.rows()), static_cast<int>(known.cols()), rest.data(), all.data());
+  all /= length;
+  std::vector<int> order(static_cast<std::size_t>(all.size()));
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  count = std::min(count, order.size());
+  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
+                    [&](int a, int b) { return all[a] > all[b]; });
+  for (std::size_t i = 0; i < count; ++i) {
+    auto entry = patterns_.begin();
+    std::advance(entry, order[i] / 4);
+    best.push_back({entry->first, order[i] % 4, all[order[i]]});
+  }
+  return best;
+}
+
+}  // namespace seater_perception

@@ -1,0 +1,244 @@
+#include "search/marker_detector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <opencv2/aruco.hpp>
+#include <optional>
+
+#include "image/image_checks.h"
+#include "search/code/pattern_reader.h"
+#include "search/opencv_search.h"
+#include "search/outline/edge_fit.h"
+#include "search/outline/quad_search.h"
+#include "seater_perception/dock_layout.h"
+
+namespace seater_perception {
+namespace {
+
+constexpr double kCoarseBand = 0.25;  // [cells] half width of the band for corners that are still some pixels off
+constexpr int kSmallestRegion = 12;   // [px]
+// [px] of the threshold when strong shadows are looked for: with a wider one, their edge grows together with the
+// print's border.
+constexpr int kNarrowWindow = 7;
+
+MarkerCorners cornersOf(const PatternReading& reading) {
+  MarkerCorners marker;
+  marker.id = reading.id;
+  marker.corners = reading.corners;
+  marker.code_blur = reading.blur;
+  marker.dark = reading.dark;
+  marker.contrast = reading.contrast;
+  return marker;
+}
+
+/// One marker per id. Two outlines of the same print (its inner and outer contour) overlap: the larger one is the
+/// marker's.
+std::vector<MarkerCorners> uniqueMarkers(const std::vector<MarkerCorners>& found,
+                                         std::set<int>* doubtful_ids = nullptr) {
+  std::map<int, MarkerCorners> best;
+  std::map<int, bool> doubtful;
+  for (const MarkerCorners& marker : found) {
+    const auto [place, is_new] = best.emplace(marker.id, marker);
+    if (is_new) continue;
+    MarkerCorners& other = place->second;
+    const double larger = std::max(marker.side(), other.side());
+    if ((marker.centre() - other.centre()).norm() > 0.5 * larger) doubtful[marker.id] = true;
+    if (marker.side() > other.side()) other = marker;
+  }
+  std::vector<MarkerCorners> unique;
+  for (const auto& [id, marker] : best) {
+    if (!doubtful.count(id))
+      unique.push_back(marker);
+    else if (doubtful_ids)
+      doubtful_ids->insert(id);
+  }
+  return unique;
+}
+
+}  // namespace
+
+double MarkerCorners::side() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) sum += (corners[(i + 1) % 4] - corners[i]).norm();
+  return 0.25 * sum;
+}
+
+double MarkerCorners::minSide() const {
+  double shortest = (corners[1] - corners[0]).norm();
+  for (std::size_t i = 1; i < 4; ++i) shortest = std::min(shortest, (corners[(i + 1) % 4] - corners[i]).norm());
+  return shortest;
+}
+
+Eigen::Vector2d MarkerCorners::centre() const {
+  return 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+}
+
+cv::Mat withoutShadows(const cv::Mat& grey, const std::vector<MarkerCorners>& markers) {
+  cv::Mat lit = grey;
+  for (const MarkerCorners& marker : markers) {
+    if (!marker.shadow) continue;
+    if (lit.data == grey.data) lit = grey.clone();
+    lift(*marker.shadow, lit);
+  }
+  return lit;
+}
+
+struct MarkerDetector::Implementation {
+  cv::Ptr<cv::aruco::Dictionary> dictionary;
+  DetectorParameters parameters;
+  PatternReader reader;
+  std::set<int> ids;
+
+  std::vector<MarkerCorners> search(const cv::Mat& grey, std::set<int>* doubtful, bool strong_shadows) const;
+  std::vector<MarkerCorners> byOwnSearch(const PictureLevels& picture, const cv::Rect& region,
+                                         bool strong_shadows) const;
+  std::optional<MarkerCorners> inShadow(const PictureLevels& picture, const Quad& quad,
+                                        const std::optional<PatternReading>& so_far) const;
+  std::optional<MarkerCorners> outlineNear(const PictureLevels& picture, const ExpectedMarker& expected) const;
+  std::optional<FittedEdges> edges(const cv::Mat& grey, const MarkerCorners& marker) const;
+  void refine(const cv::Mat& grey, MarkerCorners& marker) const;
+};
+
+/// `strong_shadows`: instead, only what the edge of a shadow lies across, even of a strong one.
+std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const PictureLevels& picture,
+                                                                       const cv::Rect& region,
+                                                                       bool strong_shadows) const {
+  QuadSearch search;
+  search.window = (strong_shadows ? kNarrowWindow : parameters.search_window) | 1;
+  search.constant = parameters.search_constant;
+  search.min_side = parameters.min_side;
+  std::vector<MarkerCorners> markers;
+  for (Quad quad : findQuads(picture.grey()(region), search)) {
+    for (auto& corner : quad) corner += Eigen::Vector2d(region.x, region.y);
+    std::optional<PatternReading> reading;
+    if (!strong_shadows) reading = reader.read(picture, quad, parameters.min_evidence);
+    std::optional<MarkerCorners> marker = inShadow(picture, reading ? reading->corners : quad, reading);
+    if (!marker && reading) marker = cornersOf(*reading);
+    if (marker && marker->side() >= parameters.min_side) markers.push_back(*marker);
+  }
+  return markers;
+}
+
+/// All of the picture.
+std::vector<MarkerCorners> MarkerDetector::Implementation::search(const cv::Mat& grey, std::set<int>* doubtful,
+                                                                  bool strong_shadows) const {
+  if (parameters.search != "own") return uniqueMarkers(searchByOpenCv(grey, dictionary, ids, parameters), doubtful);
+  const cv::Rect all(0, 0, grey.cols, grey.rows);
+  const PictureLevels picture(grey);
+  std::vector<MarkerCorners> found = byOwnSearch(picture, all, false);
+  if (found.empty() && strong_shadows) found = byOwnSearch(picture, all, true);
+  return uniqueMarkers(found, doubtful);
+}
+
+/// What can be read, or better than so far, once a shadow's edge across it is taken away.
+std::optional<MarkerCorners> MarkerDetector::Implementation::inShadow(
+    const PictureLevels& picture, const Quad& quad, const std::optional<PatternReading>& so_far) const {
+  const auto shadow = reader.shadowEdge(picture, quad);
+  if (!shadow) return std::nullopt;
+  const cv::Rect part = shadow->region & cv::Rect(0, 0, picture.grey().cols, picture.grey().rows);
+  if (part.width < kSmallestRegion || part.height < kSmallestRegion) return std::nullopt;
+  const Eigen::Vector2d origin(part.x, part.y);
+  cv::Mat lit = picture.grey()(part).clone();
+  lift(shadow->seenFrom(origin), lit);
+  Quad there = quad;
+  for (auto& corner : there) corner -= origin;
+  auto reading = reader.read(PictureLevels(lit), there, parameters.min_evidence);
+  if (!reading || (so_far && (reading->id != so_far->id || reading->evidence < so_far->evidence))) return std::nullopt;
+  for (auto& corner : reading->corners) corner += origin;
+  MarkerCorners marker = cornersOf(*reading);
+  marker.shadow = shadow;
+  return marker;
+}
+
+/// The edges of a marker; from corners that are only good to a part of a cell, those of a large one in two steps.
+std::optional<FittedEdges> MarkerDetector::Implementation::edges(const cv::Mat& grey,
+                                                                 const MarkerCorners& marker) const {
+  const DetectorParameters& p = parameters;
+  const double cell = marker.minSide() / (dictionary->markerSize + 2);
+  const double band = std::clamp(p.edge_band * cell, p.edge_band_min, p.edge_band_max);
+  const auto narrow = fitEdges(grey, marker.corners, band);
+  if (narrow || kCoarseBand * cell < band) return narrow;
+  const auto wide = fitEdges(grey, marker.corners, kCoarseBand * cell);
+  return wide ? fitEdges(grey, wide->corners, band) : std::nullopt;
+}
+
+void MarkerDetector::Implementation::refine(const cv::Mat& grey, MarkerCorners& marker) const {
+  // OpenCV's outlines follow the steps of pixels; the own search has already fitted the code.
+  if (parameters.search != "own") refineSubPixel(grey, dictionary->markerSize + 2, parameters, marker);
+  if (!parameters.edge_fit) return;
+  if (const auto fitted = edges(grey, marker)) {
+    marker.corners = fitted->corners;
+    marker.edges_fitted = true;
+    marker.blur_sd = fitted->blur_sd;
+  }
+}
+
+/// The marker by its outline, in the part of the picture that it should be in.
+std::optional<MarkerCorners> MarkerDetector::Implementation::outlineNear(const PictureLevels& picture,
+                                                                         const ExpectedMarker& expected) const {
+  Eigen::Vector2d low = expected.corners[0], high = expected.corners[0];
+  for (const auto& corner : expected.corners) low = low.cwiseMin(corner), high = high.cwiseMax(corner);
+  const double margin = expected.reach + 0.2 * (high - low).maxCoeff() + 3.0;  // the quiet zone and the smoothing too
+  const auto whole = [](double x, double limit) { return static_cast<int>(std::clamp(x, 0.0, limit)); };
+  const int width = picture.grey().cols, height = picture.grey().rows;
+  const cv::Point first(whole(low.x() - margin, width), whole(low.y() - margin, height));
+  const cv::Point last(whole(high.x() + margin + 1.0, width), whole(high.y() + margin + 1.0, height));
+  const cv::Rect region(first, last);
+  if (region.width < kSmallestRegion || region.height < kSmallestRegion) return std::nullopt;
+  for (const bool strong_shadows : {false, true}) {
+    for (const MarkerCorners& marker : uniqueMarkers(byOwnSearch(picture, region, strong_shadows))) {
+      if (marker.id == expected.id) return marker;
+    }
+  }
+  return std::nullopt;
+}
+
+MarkerDetector::MarkerDetector(const std::string& dictionary, const DetectorParameters& parameters,
+                               const std::set<int>& ids)
+    : implementation_(new Implementation{cv::aruco::getPredefinedDictionary(dictionaryNumber(dictionary, "dictionary")),
+                                         parameters, PatternReader(dictionary, ids), ids}) {}
+
+MarkerDetector::~MarkerDetector() = default;
+MarkerDetector::MarkerDetector(MarkerDetector&&) noexcept = default;
+
+std::vector<MarkerCorners> MarkerDetector::detect(const cv::Mat& grey, std::set<int>* doubtful,
+                                                  bool strong_shadows) const {
+  checkPicture(grey);
+  std::vector<MarkerCorners> unique = implementation_->search(grey, doubtful, strong_shadows);
+  const cv::Mat lit = withoutShadows(grey, unique);
+  for (MarkerCorners& marker : unique) implementation_->refine(lit, marker);
+  return unique;
+}
+
+std::vector<MarkerCorners> MarkerDetector::follow(const cv::Mat& grey, const std::vector<ExpectedMarker>& expected,
+                                                  double min_evidence) const {
+  checkPicture(grey);
+  std::vector<MarkerCorners> found;
+  if (expected.empty()) return found;
+  const PictureLevels picture(grey);
+  for (const ExpectedMarker& e : expected) {
+    const auto reading = implementation_->reader.follow(e.id, picture, e.corners, e.reach, min_evidence, e.code_blur);
+    std::optional<MarkerCorners> marker;
+    if (reading) marker = implementation_->inShadow(picture, reading->corners, reading);
+    if (!marker && reading)
+      marker = cornersOf(*reading);
+    else if (!marker && e.by_outline)
+      marker = implementation_->outlineNear(picture, e);
+    if (!marker) continue;
+    if (e.edges || !reading || !(reading->contrast > 0.0))
+      implementation_->refine(withoutShadows(grey, {*marker}), *marker);
+    found.push_back(*marker);
+  }
+  return found;
+}
+
+int MarkerDetector::cells() const {
+  return implementation_->reader.cells();
+}
+
+void MarkerDetector::refine(const cv::Mat& grey, MarkerCorners& marker) const {
+  implementation_->refine(grey, marker);
+}
+
+}  // namespace seater_perception

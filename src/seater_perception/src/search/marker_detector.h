@@ -1,0 +1,82 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "search/code/shadow_edge.h"
+#include "seater_perception/parameters.h"
+
+namespace seater_perception {
+
+/// A marker in the picture.
+struct MarkerCorners {
+  int id = 0;
+  /// [px] in the picture as given (not undistorted), top-left, top-right, bottom-right, bottom-left as the print is
+  /// read.
+  std::array<Eigen::Vector2d, 4> corners;
+  bool edges_fitted =
+      false;  ///< true: corners are intersections of fitted edges; false: of the code or cornerSubPix, less accurate
+  double corner_sigma = 0.0;          ///< standard deviation of a corner coordinate; 0: as the parameters say [px]
+  double blur_sd = 0.0;               ///< of the lens, from fitted edges or grey levels; 0: not known [px]
+  int code_blur = -1;                 ///< PatternReading::blur; -1: not known
+  double dark = 0.0, contrast = 0.0;  ///< as of PatternReading; contrast 0: not to be relied on
+  std::optional<ShadowEdge> shadow;   ///< that lies across it: corners and levels are of withoutShadows
+
+  double side() const;     ///< mean side [px]
+  double minSide() const;  ///< shortest side [px]
+  Eigen::Vector2d centre() const;
+};
+
+/// Where a marker should be in the picture.
+struct ExpectedMarker {
+  int id = 0;
+  std::array<Eigen::Vector2d, 4> corners;  ///< as of MarkerCorners [px]
+  double reach = 0.0;                      ///< how far away it is looked for [px]; 0: only there
+  bool by_outline = true;                  ///< and by its outline, when its code does not show there
+  int code_blur = -1;                      ///< as of MarkerCorners in the last picture; -1: not known
+  bool edges = true;                       ///< false: no edges are fitted where the code shows clearly
+};
+
+/// The picture (CV_8UC1) as without the shadows across these markers: a copy, or itself where there are none.
+cv::Mat withoutShadows(const cv::Mat& grey, const std::vector<MarkerCorners>& markers);
+
+/// Finds markers of one dictionary and refines their corners. Outlines and ids come from findQuads and PatternReader
+/// (`search: own`) or from OpenCV's detectMarkers (`opencv`). Corners: fitEdges where it succeeds; else those of the
+/// fitted code (own), or cornerSubPix with a window that follows each marker's size, so that it never reaches the next
+/// cell of the print (opencv).
+class MarkerDetector {
+ public:
+  /// `ids`: markers looked for; empty: all of the dictionary. Throws ConfigurationError for an unknown dictionary.
+  MarkerDetector(const std::string& dictionary, const DetectorParameters& parameters, const std::set<int>& ids = {});
+  ~MarkerDetector();
+  MarkerDetector(MarkerDetector&&) noexcept;
+
+  /// Markers in ascending id. An id that stands at two places of the picture is left out: nothing tells which one is
+  /// meant; `doubtful` gathers such ids. `strong_shadows`: where nothing is found, markers across the edge of a strong
+  /// shadow are looked for, which takes once more the time. `grey` is CV_8UC1. Throws PictureError.
+  std::vector<MarkerCorners> detect(const cv::Mat& grey, std::set<int>* doubtful = nullptr,
+                                    bool strong_shadows = true) const;
+
+  /// Markers near the places where they are expected, in their order: first where they are expected, then up to `reach`
+  /// away, by their code, then (`by_outline`) by their outline there. The correlation has to be at least
+  /// `min_evidence`, every bit of the code on its side, and no other code as likely. What is not there is left out.
+  /// Throws PictureError.
+  std::vector<MarkerCorners> follow(const cv::Mat& grey, const std::vector<ExpectedMarker>& expected,
+                                    double min_evidence) const;
+
+  int cells() const;  ///< along a marker's side, border included
+
+  /// Refines a found marker's corners, as `detect` does.
+  void refine(const cv::Mat& grey, MarkerCorners& marker) const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace seater_perception

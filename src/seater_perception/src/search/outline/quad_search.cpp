@@ -1,0 +1,131 @@
+#include "search/outline/quad_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+namespace seater_perception {
+namespace {
+
+constexpr double kFilled = 0.82;            // part of the quadrilateral that the outline's hull has to fill
+constexpr double kClearlyFilled = 0.96;     // below, something may stick out of the outline
+constexpr double kOutlineTolerance = 0.04;  // of the outline's length
+constexpr double kSolid = 0.75;             // part of the hull that the outline has to enclose
+constexpr double kLargestRatio = 6.0;       // of the longest to the shortest side
+constexpr int kBorder = 1;                  // [px] an outline nearer to the picture's border is cut off
+constexpr double kHullTolerance = 0.012;    // of the outline's length: hull vertices are merged within it
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// Where the lines a-b and c-d meet, and the area of the triangle b, there, c; false when they do not meet outside b-c.
+bool prolong(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c, const Eigen::Vector2d& d,
+             Eigen::Vector2d& there, double& area) {
+  const Eigen::Vector2d u = b - a, v = c - d;
+  const double det = cross(u, v);
+  if (std::abs(det) < 1e-9) return false;
+  const double s = cross(c - b, v) / det, t = cross(c - b, u) / det;
+  if (s < 0.0 || t < 0.0) return false;
+  there = b + s * u;
+  area = 0.5 * std::abs(cross(there - b, c - b));
+  return true;
+}
+
+/// Leaves out sides until four are left; false when that is impossible.
+bool reduceToFour(std::vector<Eigen::Vector2d>& hull) {
+  while (hull.size() > 4) {
+    const std::size_t n = hull.size();
+    double least = std::numeric_limits<double>::infinity();
+    std::size_t side = n;
+    Eigen::Vector2d best(0.0, 0.0);
+    for (std::size_t i = 0; i < n; ++i) {
+      Eigen::Vector2d there;
+      double area = 0.0;
+      if (!prolong(hull[(i + n - 1) % n], hull[i], hull[(i + 1) % n], hull[(i + 2) % n], there, area)) continue;
+      if (area < least) least = area, side = i, best = there;
+    }
+    if (side == n) return false;
+    hull[side] = best;
+    hull.erase(hull.begin() + static_cast<std::ptrdiff_t>((side + 1) % n));
+  }
+  return hull.size() == 4;
+}
+
+double areaOf(const Quad& q) {
+  return 0.5 * cross(q[2] - q[0], q[3] - q[1]);
+}
+
+/// Sides of sensible lengths; widens it by the half pixel that the outline, which runs through the centres of dark
+/// pixels, is inside of the edge.
+bool accept(double min_side, Quad& quad) {
+  if (areaOf(quad) < 0.0) std::swap(quad[1], quad[3]);
+  const Eigen::Vector2d centre = 0.25 * (quad[0] + quad[1] + quad[2] + quad[3]);
+  double shortest = std::numeric_limits<double>::infinity(), longest = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double side = (quad[(i + 1) % 4] - quad[i]).norm();
+    shortest = std::min(shortest, side);
+    longest = std::max(longest, side);
+  }
+  if (shortest + 1.0 < min_side || longest > kLargestRatio * shortest) return false;
+  for (auto& c : quad) c += 0.5 * M_SQRT2 * (c - centre).normalized();
+  return true;
+}
+
+/// The four corners that the outline itself has, when something sticks out of it.
+bool fromOutline(const std::vector<cv::Point>& outline, Quad& quad) {
+  std::vector<cv::Point> corners;
+  cv::approxPolyDP(outline, corners, kOutlineTolerance * static_cast<double>(outline.size()), true);
+  if (corners.size() != 4 || !cv::isContourConvex(corners)) return false;
+  for (std::size_t i = 0; i < 4; ++i) quad[i] = Eigen::Vector2d(corners[i].x, corners[i].y);
+  return true;
+}
+
+/// Quadrilaterals that an outline may be meant as: none, one or two.
+void toQuads(const std::vector<cv::Point>& outline, double min_side, std::vector<Quad>& quads) {
+  std::vector<cv::Point> corners;
+  cv::convexHull(outline, corners);
+  if (corners.size() < 4) return;
+  const double hull_area = cv::contourArea(corners);
+  if (hull_area < 0.5 * min_side * min_side || cv::contourArea(outline) < kSolid * hull_area) return;
+  if (corners.size() > 12) {
+    std::vector<cv::Point> fewer;
+    cv::approxPolyDP(corners, fewer, kHullTolerance * static_cast<double>(outline.size()), true);
+    if (fewer.size() >= 4) corners = fewer;
+  }
+  std::vector<Eigen::Vector2d> hull;
+  for (const auto& p : corners) hull.emplace_back(p.x, p.y);
+  Quad quad;
+  double filled = 0.0;
+  if (reduceToFour(hull)) {
+    std::copy(hull.begin(), hull.end(), quad.begin());
+    filled = hull_area / std::max(1.0, std::abs(areaOf(quad)));
+    if (filled > kFilled && accept(min_side, quad)) quads.push_back(quad);
+  }
+  if (filled < kClearlyFilled && fromOutline(outline, quad) && accept(min_side, quad)) quads.push_back(quad);
+}
+
+}  // namespace
+
+std::vector<Quad> findQuads(const cv::Mat& grey, const QuadSearch& search) {
+  std::vector<Quad> quads;
+  if (grey.cols < 5 || grey.rows < 5) return quads;
+  cv::Mat smooth, mean, dark;
+  cv::blur(grey, smooth, cv::Size(3, 3), cv::Point(-1, -1), cv::BORDER_REPLICATE);
+  cv::adaptiveThreshold(smooth, dark, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY_INV, search.window,
+                        search.constant);
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(dark, outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
+  const auto least = static_cast<std::size_t>(2.5 * search.min_side);
+  for (const auto& outline : outlines) {
+    if (outline.size() < least) continue;
+    const cv::Rect box = cv::boundingRect(outline);
+    if (box.x < kBorder || box.y < kBorder || box.br().x > grey.cols - kBorder || box.br().y > grey.rows - kBorder)
+      continue;
+    toQuads(outline, search.min_side, quads);
+  }
+  return quads;
+}
+
+}  // namespace seater_perception
