@@ -10,7 +10,7 @@ from seater_test.harness import DockingCase
 
 from seater_common.geometry import clearance
 from seater_msgs.msg import DockResult
-from seater_nmpc.limits import in_bay
+from seater_nmpc.control.limits import in_bay
 
 LARGEST_DISTANCE = 0.010  # [m]
 LARGEST_HEADING = math.radians(1.0)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import rostest
 
-from seater_eval.recording import Recording, read_recording
+from seater_eval.docking.recording import Recording, read_recording
 
 BUSY = "while True: pass"
 

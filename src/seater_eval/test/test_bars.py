@@ -3,7 +3,7 @@ import math
 
 import pytest
 
-from seater_eval.bars import AT_LEAST, Bar, all_met, bars_table, conclude, spread, text_table, write_results
+from seater_eval.report.bars import AT_LEAST, Bar, all_met, bars_table, conclude, spread, text_table, write_results
 
 
 @pytest.mark.parametrize(

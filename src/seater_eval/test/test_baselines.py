@@ -7,13 +7,13 @@ import pytest
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import arc_step
 from seater_eval.baselines.bay_speed import SlowInBay
+from seater_eval.baselines.closed_loop import euler_step, limited, run_perfect
 from seater_eval.baselines.do_mpc_baseline import DoMpc
 from seater_eval.baselines.nmpc import Nmpc, available_solvers
 from seater_eval.baselines.paper_formulation import PaperFormulation
 from seater_eval.baselines.park_kuipers import ParkKuipers
 from seater_eval.baselines.pbvs import Pbvs, PbvsGains
 from seater_eval.baselines.polar import polar, within_limits
-from seater_eval.closed_loop import euler_step, limited, run_perfect
 from seater_nmpc.parameters import ControlParameters
 
 CHAIR, DOCK = Chair(), Dock()

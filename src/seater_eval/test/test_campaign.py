@@ -6,16 +6,22 @@ import numpy as np
 import pytest
 
 from seater_common.geometry import clearance
-from seater_eval.bars import all_met
-from seater_eval.campaign_report import describe_campaign, draw_campaign
-from seater_eval.campaign_run import DockingRun, figures
-from seater_eval.controller_campaign import CampaignJob, campaign_bars, draw_cases, run_campaign_job, summarize_runs
-from seater_eval.docking_table import TABLE_II, table_bars
-from seater_eval.pose_noise import DockSensor, NoiseModel
-from seater_eval.setup_files import Setup, load_setup
-from seater_eval.solver_benchmark import benchmark_bars
-from seater_nmpc.controller import DockingController
-from seater_nmpc.measurement import Hypothesis
+from seater_eval.control.campaign_report import describe_campaign, draw_campaign
+from seater_eval.control.campaign_run import DockingRun, figures
+from seater_eval.control.controller_campaign import (
+    CampaignJob,
+    campaign_bars,
+    draw_cases,
+    run_campaign_job,
+    summarize_runs,
+)
+from seater_eval.control.docking_table import TABLE_II, table_bars
+from seater_eval.control.pose_noise import DockSensor, NoiseModel
+from seater_eval.control.solver_benchmark import benchmark_bars
+from seater_eval.report.bars import all_met
+from seater_eval.run.setup_files import Setup, load_setup
+from seater_nmpc.control.controller import DockingController
+from seater_nmpc.observe.measurement import Hypothesis
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 
@@ -218,8 +224,8 @@ def test_a_missing_solver_leaves_its_bars_unmet_and_says_so() -> None:
 
 
 def test_progress_goes_where_it_is_sent() -> None:
-    from seater_eval.parallel import StepProgress
-    from seater_eval.progress import ProgressLine
+    from seater_eval.run.parallel import StepProgress
+    from seater_eval.run.progress import ProgressLine
 
     stream = io.StringIO()
     progress = StepProgress("steps", 1, ProgressLine(stream))

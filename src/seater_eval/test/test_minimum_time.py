@@ -5,9 +5,9 @@ import pytest
 
 from seater_common.geometry import Chair, Dock, clearance
 from seater_common.se2 import arc_step
+from seater_eval.baselines.closed_loop import run_perfect
 from seater_eval.baselines.minimum_time import MinimumTime, arrival_speeds, profile_time, straight_line_bound
 from seater_eval.baselines.pbvs import Pbvs
-from seater_eval.closed_loop import run_perfect
 
 CHAIR, DOCK = Chair(), Dock()
 LIMITS = CHAIR.limits

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from seater_eval.setup_files import Setup, load_setup
-from seater_nmpc.motion import MotionObserver
-from seater_nmpc.odometry import Odometry
-from seater_nmpc.prediction import CommandHistory
+from seater_eval.run.setup_files import Setup, load_setup
+from seater_nmpc.observe.motion import MotionObserver
+from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.prediction import CommandHistory
 from seater_sim.odometry import Odometry as WheelOdometry
 from seater_sim.plant import Plant
 from seater_sim.settings import NANOSECONDS, to_ns

@@ -1,8 +1,8 @@
 """Whether the observer's covariance is that of its errors: 200 approaches, normalised estimation error squared (NEES).
 
 Each run drives a smooth way to the dock, with the drifting odometry of config/simulator.yaml and with pictures as
-seater_eval.pose_noise makes them, late and at times out of order, some runs with a stretch without any. The error is that of
-the dock in odom given the odometry's pose: it is what the controller gets, the dock as seen from the chair. If the filter is
+pose_noise makes them, late and at times out of order, some runs with a stretch without any. The error is that of the dock
+in odom given the odometry's pose: it is what the controller gets, the dock as seen from the chair. If the filter is
 consistent, the sum of e' P^-1 e over the runs is chi-square with 3 * RUNS degrees of freedom at every time (Bar-Shalom, Li and
 Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 5.4).
 """
@@ -17,12 +17,12 @@ from scipy.stats import chi2
 
 from seater_common.geometry import clearance
 from seater_common.se2 import arc_step, compose, inverse, wrap_angle
-from seater_eval.campaign_run import draw_start
-from seater_eval.pose_noise import DockSensor
-from seater_eval.setup_files import Setup, load_setup
-from seater_nmpc import odometry
-from seater_nmpc.measurement import difference
-from seater_nmpc.observer import DockObserver, Outcome
+from seater_eval.control.campaign_run import draw_start
+from seater_eval.control.pose_noise import DockSensor
+from seater_eval.run.setup_files import Setup, load_setup
+from seater_nmpc.observe import odometry
+from seater_nmpc.observe.measurement import difference
+from seater_nmpc.observe.observer import DockObserver, Outcome
 from seater_nmpc.parameters import ObserverParameters
 from seater_sim.odometry import Odometry
 from seater_sim.settings import NANOSECONDS

@@ -3,8 +3,8 @@ import io
 import numpy as np
 import pytest
 
-from seater_eval.parallel import format_time, job_seed, run_jobs
-from seater_eval.progress import ProgressLine
+from seater_eval.run.parallel import format_time, job_seed, run_jobs
+from seater_eval.run.progress import ProgressLine
 
 
 def noisy_sum(job: tuple[int, int]) -> float:

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from seater_eval.parallel import run_jobs
-from seater_eval.partial import PartialResults, fingerprint
+from seater_eval.run.parallel import run_jobs
+from seater_eval.run.partial import PartialResults, fingerprint
 
 CALLS: list[int] = []
 

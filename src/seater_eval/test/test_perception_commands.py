@@ -9,20 +9,20 @@ import numpy as np
 import pytest
 
 from seater_common.params import ParameterError
-from seater_eval.parallel import job_seed
 from seater_eval.perception import subject
+from seater_eval.perception.accuracy import accuracy_bars
 from seater_eval.perception.accuracy_cells import bound_entry, nees_entry, table_bounds
 from seater_eval.perception.degraded_camera import load_degraded_camera
-from seater_eval.perception.long_run import run_long
 from seater_eval.perception.negatives import KINDS, OTHER_IDS, negative
 from seater_eval.perception.peers import PEERS, dictionary_of, make_peer
+from seater_eval.perception.range import PAPER, range_bars
 from seater_eval.perception.render import Print, clean_picture, corners_of, exposed
 from seater_eval.perception.scenes import facing, normal_error, normalised_error_squared, pose_error, upright
-from seater_eval.perception.silence import silence
-from seater_eval.perception_accuracy import accuracy_bars
-from seater_eval.perception_range import PAPER, range_bars
-from seater_eval.perception_shadows import ShadowJob, shadow_bars, shadow_picture
-from seater_eval.perception_speed import speed_bars
+from seater_eval.perception.shadows import ShadowJob, shadow_bars, shadow_picture
+from seater_eval.perception.speed import speed_bars
+from seater_eval.run.long_run import run_long
+from seater_eval.run.parallel import job_seed
+from seater_eval.run.silence import silence
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 CAMERA = load_degraded_camera(CONFIG / "cameras" / "degraded.yaml")
@@ -255,7 +255,7 @@ def job_that_is_interrupted_once(job: tuple[int, str]) -> int:
 def test_an_interrupted_run_says_how_far_it_came_and_goes_on(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("seater_eval.parallel.cores", lambda: 1)
+    monkeypatch.setattr("seater_eval.run.parallel.cores", lambda: 1)
     jobs, partial = [(number, str(tmp_path)) for number in range(4)], tmp_path / "some.partial"
     with pytest.raises(SystemExit) as ended:
         run_long(job_that_is_interrupted_once, jobs, label="some", config=CONFIG, partial=partial)

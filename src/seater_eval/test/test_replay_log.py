@@ -3,7 +3,7 @@ import csv
 import numpy as np
 import pytest
 
-from seater_eval.replay_log import CycleRow, PictureRow, replay_table, summarize_replay, write_csv
+from seater_eval.docking.replay_log import CycleRow, PictureRow, replay_table, summarize_replay, write_csv
 
 
 def pictures(count: int = 2000, sd: float = 0.002, missed: range = range(0)) -> list[PictureRow]:

@@ -6,9 +6,9 @@ import pytest
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import compose
-from seater_eval.dock_figure import draw_docking
-from seater_eval.recording import Recording, pose_at
-from seater_eval.summary import summarize, table
+from seater_eval.docking.dock_figure import draw_docking
+from seater_eval.docking.recording import Recording, pose_at
+from seater_eval.docking.summary import summarize, table
 
 DEG = math.pi / 180.0
 T_ODOM_DOCK = np.array([3.0, -1.0, 0.7])

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from seater_eval.trajectories import Trajectory, quickest
+from seater_eval.baselines.trajectories import Trajectory, quickest
 
 
 def run(cpu: list[float], command: float = 0.1) -> Trajectory:

@@ -16,15 +16,15 @@ for package in ("seater_nmpc", "seater_common"):
 
 from seater_common.geometry import Chair, Dock, clearance, pose_matrix  # noqa: E402
 from seater_common.se2 import arc_step, compose, inverse  # noqa: E402
-from seater_nmpc.command import Command  # noqa: E402
-from seater_nmpc.controller import DockingController  # noqa: E402
-from seater_nmpc.measurement import Hypothesis  # noqa: E402
-from seater_nmpc.observer import DockObserver  # noqa: E402
-from seater_nmpc.odometry import Odometry  # noqa: E402
+from seater_nmpc.control.command import Command  # noqa: E402
+from seater_nmpc.control.controller import DockingController  # noqa: E402
+from seater_nmpc.observe.measurement import Hypothesis  # noqa: E402
+from seater_nmpc.observe.observer import DockObserver  # noqa: E402
+from seater_nmpc.observe.odometry import Odometry  # noqa: E402
 from seater_nmpc.parameters import ControlParameters  # noqa: E402
-from seater_nmpc.results import Step  # noqa: E402
-from seater_nmpc.sequence import DockingSequence  # noqa: E402
-from seater_nmpc.vehicle import Vehicle  # noqa: E402
+from seater_nmpc.sequence.docking_sequence import DockingSequence  # noqa: E402
+from seater_nmpc.sequence.results import Step  # noqa: E402
+from seater_nmpc.sequence.vehicle import Vehicle  # noqa: E402
 
 T_ODOM_DOCK = np.array([1.0, 2.0, 0.7])
 NOISE = (0.002, 0.003)  # standard deviations of a picture's pose [m, rad]

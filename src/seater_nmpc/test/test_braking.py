@@ -7,8 +7,8 @@ import pytest
 
 from seater_common.geometry import Chair, polygon_distance
 from seater_common.se2 import arc_step
-from seater_nmpc.braking import BrakingCheck, braked, curvature_at
-from seater_nmpc.command import Status
+from seater_nmpc.control.braking import BrakingCheck, braked, curvature_at
+from seater_nmpc.control.command import Status
 from seater_nmpc.parameters import ControlParameters
 
 CHAIR, CONTROL = Chair(), ControlParameters()

@@ -6,13 +6,13 @@ import pytest
 
 from seater_common.geometry import Chair, Dock, clearance
 from seater_common.se2 import arc_step, compose, relative
-from seater_nmpc.command import Status
-from seater_nmpc.controller import DockingController
-from seater_nmpc.limits import clamp, in_bay
-from seater_nmpc.nlp import ProblemData, WarmStart
+from seater_nmpc.control.command import Status
+from seater_nmpc.control.controller import DockingController
+from seater_nmpc.control.limits import clamp, in_bay
+from seater_nmpc.observe.prediction import CommandHistory, coasting_pose
+from seater_nmpc.ocp.nlp import ProblemData, WarmStart
 from seater_nmpc.parameters import ControlParameters, Prediction
-from seater_nmpc.prediction import CommandHistory, coasting_pose
-from seater_nmpc.solver import Solution, SolveStatus
+from seater_nmpc.solve.solver import Solution, SolveStatus
 
 PERIOD, CHAIR, DOCK = 0.05, Chair(), Dock()
 T_COMMON_DOCK = np.array([3.0, -1.0, 2.5])

@@ -9,14 +9,14 @@ import pytest
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import arc_step
-from seater_nmpc.command import Status
-from seater_nmpc.controller import DockingController
-from seater_nmpc.guard import GuardedSolver
-from seater_nmpc.limits import clamp
-from seater_nmpc.nlp import ProblemData, WarmStart
-from seater_nmpc.ocp import make_problem
+from seater_nmpc.control.command import Status
+from seater_nmpc.control.controller import DockingController
+from seater_nmpc.control.limits import clamp
+from seater_nmpc.ocp.nlp import ProblemData, WarmStart
+from seater_nmpc.ocp.ocp import make_problem
 from seater_nmpc.parameters import ControlParameters
-from seater_nmpc.solver import Solution, SolveStatus, make_solver
+from seater_nmpc.solve.guard import GuardedSolver
+from seater_nmpc.solve.solver import Solution, SolveStatus, make_solver
 
 CHAIR, DOCK, PERIOD = Chair(), Dock(), 0.05
 SOLVERS = ("ipopt", "ipopt_default", "fatrop", "rti")

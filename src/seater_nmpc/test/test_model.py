@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from seater_common.se2 import arc_step
-from seater_nmpc.model import SINC_RANGE, arc_pose_step, augmented_step, euler_pose_step, sinc
+from seater_nmpc.ocp.model import SINC_RANGE, arc_pose_step, augmented_step, euler_pose_step, sinc
 
 
 def evaluate(expression: ca.SX) -> np.ndarray:

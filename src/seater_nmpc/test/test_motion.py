@@ -3,8 +3,8 @@ import math
 import numpy as np
 import pytest
 
-from seater_nmpc.motion import MotionObserver
-from seater_nmpc.odometry import Odometry
+from seater_nmpc.observe.motion import MotionObserver
+from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import ObserverParameters, Prediction
 
 

@@ -8,11 +8,11 @@ import pytest
 
 from seater_common.geometry import Chair, Dock, polygon_distance
 from seater_common.se2 import arc_step, relative
-from seater_nmpc.guide import Guide
-from seater_nmpc.lattice import Lattice
-from seater_nmpc.navigator import Navigator
 from seater_nmpc.parameters import ControlParameters, PlannerParameters
-from seater_nmpc.planner import Path, Planner
+from seater_nmpc.plan.guide import Guide
+from seater_nmpc.plan.lattice import Lattice
+from seater_nmpc.plan.navigator import Navigator
+from seater_nmpc.plan.planner import Path, Planner
 
 CHAIR, DOCK, PARAMETERS, CONTROL = Chair(), Dock(), PlannerParameters(), ControlParameters()
 BESIDE_THE_BAY = (-1.2, 0.8, -0.2)

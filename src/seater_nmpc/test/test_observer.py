@@ -6,9 +6,9 @@ from conftest import NOISE, T_ODOM_DOCK, observation
 
 from seater_common.geometry import Chair
 from seater_common.se2 import arc_step, compose, inverse, wrap_angle
-from seater_nmpc.measurement import Hypothesis, difference
-from seater_nmpc.observer import DockObserver, Outcome
-from seater_nmpc.odometry import Odometry, OdometryBuffer
+from seater_nmpc.observe.measurement import Hypothesis, difference
+from seater_nmpc.observe.observer import DockObserver, Outcome
+from seater_nmpc.observe.odometry import Odometry, OdometryBuffer
 from seater_nmpc.parameters import ObserverParameters
 
 CHAIR = Chair()

@@ -12,7 +12,7 @@ from transforms import Transforms  # noqa: E402
 
 from seater_common.se2 import inverse, transform_points  # noqa: E402
 from seater_msgs.msg import ObstacleArray  # noqa: E402
-from seater_nmpc.obstacles import ObstacleMemory, usable_outlines  # noqa: E402
+from seater_nmpc.plan.obstacles import ObstacleMemory, usable_outlines  # noqa: E402
 from seater_nmpc.ros.obstacles import Obstacles  # noqa: E402
 
 BOX = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])

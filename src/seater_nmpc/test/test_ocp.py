@@ -6,12 +6,12 @@ import pytest
 
 from seater_common.geometry import Chair, Dock, clearance, polygon_distance
 from seater_common.se2 import compose, relative
-from seater_nmpc.constraints import _separating_angle
-from seater_nmpc.geometry import dock_areas
-from seater_nmpc.nlp import WarmStart
-from seater_nmpc.ocp import DockingProblem, make_problem
+from seater_nmpc.ocp.constraints import _separating_angle
+from seater_nmpc.ocp.geometry import dock_areas
+from seater_nmpc.ocp.nlp import WarmStart
+from seater_nmpc.ocp.ocp import DockingProblem, make_problem
 from seater_nmpc.parameters import ControlParameters, IpoptParameters, Weights
-from seater_nmpc.solver import IpoptSolver, SolveStatus, make_solver
+from seater_nmpc.solve.solver import IpoptSolver, SolveStatus, make_solver
 
 CHAIR, DOCK = Chair(), Dock()
 AREAS = dock_areas(DOCK)

@@ -10,13 +10,13 @@ import yaml
 from seater_common.geometry import CameraMount, Chair, Dock
 from seater_common.params import ParameterError, as_mapping, load
 from seater_common.se2 import inverse
-from seater_nmpc.command import Status
-from seater_nmpc.controller import DockingController
-from seater_nmpc.observer import DockObserver
-from seater_nmpc.odometry import Odometry
+from seater_nmpc.control.command import Status
+from seater_nmpc.control.controller import DockingController
+from seater_nmpc.observe.observer import DockObserver
+from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import NmpcParameters
-from seater_nmpc.results import Phase, ResultCode
-from seater_nmpc.shadow import Shadow
+from seater_nmpc.sequence.results import Phase, ResultCode
+from seater_nmpc.sequence.shadow import Shadow
 
 ROOT = Path(__file__).resolve().parents[3]
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from seater_common.geometry import Chair, polygon_distance
-from seater_nmpc.separation import convex_outline, edge_gaps, footprints, nearest, parting_lines
+from seater_nmpc.ocp.separation import convex_outline, edge_gaps, footprints, nearest, parting_lines
 
 CHAIR = Chair()
 

@@ -6,9 +6,9 @@ import pytest
 from conftest import T_ODOM_DOCK, World, observation
 
 from seater_common.se2 import compose, inverse
-from seater_nmpc.command import Command, Status
-from seater_nmpc.odometry import Odometry
-from seater_nmpc.results import Phase, Result, ResultCode, Step
+from seater_nmpc.control.command import Command, Status
+from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.sequence.results import Phase, Result, ResultCode, Step
 
 CLOSE = (-0.05, 0.0, 0.0)  # the last 5 cm
 

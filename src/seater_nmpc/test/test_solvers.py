@@ -9,15 +9,15 @@ import pytest
 
 from seater_common.geometry import Chair, Dock, clearance
 from seater_common.se2 import arc_step
-from seater_nmpc.command import Status
-from seater_nmpc.constraints import _best_angle
-from seater_nmpc.controller import DockingController
-from seater_nmpc.geometry import dock_areas
-from seater_nmpc.model import augmented_step, step_curvature
-from seater_nmpc.nlp import WarmStart
-from seater_nmpc.ocp import make_problem, step_lengths
+from seater_nmpc.control.command import Status
+from seater_nmpc.control.controller import DockingController
+from seater_nmpc.ocp.constraints import _best_angle
+from seater_nmpc.ocp.geometry import dock_areas
+from seater_nmpc.ocp.model import augmented_step, step_curvature
+from seater_nmpc.ocp.nlp import WarmStart
+from seater_nmpc.ocp.ocp import make_problem, step_lengths
 from seater_nmpc.parameters import ControlParameters, IpoptParameters, RtiParameters, weight_set
-from seater_nmpc.solver import IpoptSolver, SolveStatus, make_solver
+from seater_nmpc.solve.solver import IpoptSolver, SolveStatus, make_solver
 
 CHAIR, DOCK = Chair(), Dock()
 AREAS = dock_areas(DOCK)

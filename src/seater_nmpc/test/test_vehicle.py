@@ -10,14 +10,14 @@ from conftest import World
 
 from seater_common.geometry import CameraMount, Chair, Dock, pose_matrix
 from seater_common.se2 import arc_step, compose
-from seater_nmpc.command import Command
-from seater_nmpc.controller import DockingController
-from seater_nmpc.observer import DockObserver
-from seater_nmpc.odometry import Odometry
+from seater_nmpc.control.command import Command
+from seater_nmpc.control.controller import DockingController
+from seater_nmpc.observe.observer import DockObserver
+from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import ControlParameters
-from seater_nmpc.results import ResultCode
-from seater_nmpc.sequence import DockingSequence
-from seater_nmpc.vehicle import Vehicle, turned_about
+from seater_nmpc.sequence.docking_sequence import DockingSequence
+from seater_nmpc.sequence.results import ResultCode
+from seater_nmpc.sequence.vehicle import Vehicle, turned_about
 
 REAR_CAMERA = Chair(camera=CameraMount(x=-0.20, yaw=math.pi))
 BACKWARD = Dock(direction="backward")

@@ -18,7 +18,7 @@ from nav_msgs.msg import Odometry
 
 from seater_common.geometry import Chair, Dock
 from seater_common.params import load
-from seater_eval.recording import heading_of
+from seater_eval.docking.recording import heading_of
 from seater_eval.ros.dock_client import DockClient, wait_until
 from seater_msgs.msg import DockResult
 

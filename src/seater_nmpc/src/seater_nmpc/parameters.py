@@ -208,7 +208,7 @@ class ObserverParameters:
 
 @dataclass(frozen=True)
 class PlannerParameters:
-    """The search for a way to the bay (seater_nmpc.planner)."""
+    """The search for a way to the bay (seater_nmpc.plan.planner)."""
 
     cell: float = param(0.1, "m", "side of a cell of the lattice", low=0.05, high=0.3)
     reach: float = param(5.5, "m", "how far ahead of the dock the lattice begins", low=2.0, high=12.0)

@@ -22,11 +22,11 @@ from numpy.typing import NDArray
 
 from seater_common.geometry import Chair, Dock, clearance
 from seater_common.params import load
-from seater_nmpc.geometry import dock_areas
-from seater_nmpc.nlp import ProblemData
-from seater_nmpc.ocp import Problem, make_problem
+from seater_nmpc.ocp.geometry import dock_areas
+from seater_nmpc.ocp.nlp import ProblemData
+from seater_nmpc.ocp.ocp import Problem, make_problem
+from seater_nmpc.ocp.separation import convex_outline
 from seater_nmpc.parameters import NmpcParameters
-from seater_nmpc.separation import convex_outline
 
 Array = NDArray[np.float64]
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import arc_step, compose, relative
+from seater_eval.baselines.closed_loop import run_perfect
 from seater_eval.baselines.park_kuipers import ParkKuipers
 from seater_eval.baselines.pbvs import Pbvs
-from seater_eval.closed_loop import run_perfect
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ import dataclasses
 from numpy.typing import ArrayLike
 
 from seater_common.geometry import Chair, Dock
-from seater_nmpc.command import Command, Status
-from seater_nmpc.controller import DockingController
+from seater_nmpc.control.command import Command, Status
+from seater_nmpc.control.controller import DockingController
 from seater_nmpc.parameters import ControlParameters, Prediction
 
 

@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 from scipy.stats import chi2
 
-from seater_eval.bars import spread
-from seater_eval.parallel import job_seed
 from seater_eval.perception import subject
 from seater_eval.perception.bound import cramer_rao, unknowns
 from seater_eval.perception.degraded_camera import load_degraded_camera
@@ -24,6 +22,8 @@ from seater_eval.perception.scenes import (
     pose_error,
     upright,
 )
+from seater_eval.report.bars import spread
+from seater_eval.run.parallel import job_seed
 
 
 @dataclass(frozen=True)

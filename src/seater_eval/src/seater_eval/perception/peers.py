@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_eval.perception.silence import silence
+from seater_eval.run.silence import silence
 
 Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]

@@ -23,8 +23,8 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from seater_common.geometry import Chair, planar_pose, pose_matrix, rotation_matrix
-from seater_eval.recording import heading_of, pose_at
-from seater_eval.replay_log import CycleRow, PictureRow
+from seater_eval.docking.recording import heading_of, pose_at
+from seater_eval.docking.replay_log import CycleRow, PictureRow
 from seater_eval.ros.connections import is_connected, links
 from seater_msgs.msg import ControllerStatus, InputDone, MarkerDetectionArray, ObstacleArray
 

@@ -28,11 +28,11 @@ from seater_msgs.msg import (
     UndockFeedback,
     UndockResult,
 )
-from seater_nmpc.command import Command
-from seater_nmpc.measurement import Hypothesis
-from seater_nmpc.observer import DockEstimate
-from seater_nmpc.odometry import Odometry
-from seater_nmpc.results import Result, Step
+from seater_nmpc.control.command import Command
+from seater_nmpc.observe.measurement import Hypothesis
+from seater_nmpc.observe.observer import DockEstimate
+from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.sequence.results import Result, Step
 
 Array = NDArray[np.float64]
 

@@ -8,9 +8,9 @@ import diagnostic_updater
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from seater_nmpc.command import Command
-from seater_nmpc.controller import DockingController
-from seater_nmpc.observer import DockObserver
+from seater_nmpc.control.command import Command
+from seater_nmpc.control.controller import DockingController
+from seater_nmpc.observe.observer import DockObserver
 
 
 class Diagnostics:

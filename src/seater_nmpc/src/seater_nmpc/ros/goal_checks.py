@@ -9,9 +9,9 @@ import tf2_ros
 from numpy.typing import NDArray
 
 from seater_common.geometry import planar_pose
-from seater_nmpc.results import ResultCode
 from seater_nmpc.ros import conversions
 from seater_nmpc.ros.goals import valid_timeout
+from seater_nmpc.sequence.results import ResultCode
 
 
 class RefusedError(Exception):

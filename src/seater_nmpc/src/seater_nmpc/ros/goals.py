@@ -11,8 +11,8 @@ import rospy
 from actionlib_msgs.msg import GoalStatus
 
 from seater_msgs.msg import DockAction, UndockAction
-from seater_nmpc.results import Result, ResultCode, Step
 from seater_nmpc.ros import conversions
+from seater_nmpc.sequence.results import Result, ResultCode, Step
 
 
 class Goals:

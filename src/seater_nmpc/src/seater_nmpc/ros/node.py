@@ -19,20 +19,20 @@ from std_msgs.msg import Bool, Header
 from seater_common.geometry import Chair, Dock
 from seater_common.params import load
 from seater_msgs.msg import ControllerStatus, InputDone, MarkerDetectionArray, ObstacleArray
-from seater_nmpc.command import Command
-from seater_nmpc.controller import DockingController
-from seater_nmpc.navigator import Navigator
-from seater_nmpc.observer import DockObserver, Outcome
+from seater_nmpc.control.command import Command
+from seater_nmpc.control.controller import DockingController
+from seater_nmpc.observe.observer import DockObserver, Outcome
 from seater_nmpc.parameters import NmpcParameters
-from seater_nmpc.results import ResultCode, Step
+from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.ros import conversions
 from seater_nmpc.ros.diagnostics import Diagnostics
 from seater_nmpc.ros.goal_checks import RefusedError, check_goal
 from seater_nmpc.ros.goals import Goals
 from seater_nmpc.ros.obstacles import Obstacles
-from seater_nmpc.sequence import DockingSequence
-from seater_nmpc.shadow import Shadow
-from seater_nmpc.vehicle import Vehicle
+from seater_nmpc.sequence.docking_sequence import DockingSequence
+from seater_nmpc.sequence.results import ResultCode, Step
+from seater_nmpc.sequence.shadow import Shadow
+from seater_nmpc.sequence.vehicle import Vehicle
 
 ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal
 TIME_JUMP = 1.0  # [s] odometry this much older than the last one means that time started anew

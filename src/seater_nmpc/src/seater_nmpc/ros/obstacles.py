@@ -9,7 +9,7 @@ from geometry_msgs.msg import Polygon
 from numpy.typing import ArrayLike, NDArray
 
 from seater_msgs.msg import ObstacleArray
-from seater_nmpc.obstacles import ObstacleMemory, usable_outlines
+from seater_nmpc.plan.obstacles import ObstacleMemory, usable_outlines
 from seater_nmpc.ros import conversions
 
 Array = NDArray[np.float64]

@@ -1,0 +1,1 @@
+"""Single dockings: recordings, summaries, figures."""

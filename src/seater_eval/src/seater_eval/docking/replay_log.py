@@ -1,0 +1,148 @@
+"""What a replay found: one line per picture, one line per control cycle, and a summary of both.
+
+Times [s] are stamps of the recording; poses (x [m], y [m], heading [rad]) are the dock in odom: the picture's dock pose
+taken through the camera mount and the odometry at the picture's own time. Where nothing was measured a field is empty.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_eval.docking.summary import spread
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class PictureRow:
+    """One picture of the recording."""
+
+    stamp: float
+    markers: int  # markers found
+    dock_seen: int  # 1 when a pose of the dock was found
+    dock_x: float | None  # [m] in odom
+    dock_y: float | None
+    dock_heading: float | None  # [rad]
+    position_sd: float | None  # [m] sqrt of the sum of the position variances, as perception states it
+    processing_ms: float  # wall time
+
+
+@dataclass
+class CycleRow:
+    """One control cycle in shadow mode."""
+
+    stamp: float
+    phase: str
+    status: int
+    solve_ms: float
+    iterations: int
+    v: float  # what the controller would have asked for [m/s]
+    omega: float  # [rad/s]
+    recorded_v: float | None  # what the motors were told in the recording
+    recorded_omega: float | None
+
+
+def write_csv(path: Path, rows: Sequence[Any], row_type: type) -> None:
+    """Full precision, empty field for None."""
+    names = [f.name for f in fields(row_type)]
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(names)
+        for row in rows:
+            writer.writerow(["" if getattr(row, n) is None else getattr(row, n) for n in names])
+
+
+def summarize_replay(
+    pictures: Sequence[PictureRow], cycles: Sequence[CycleRow], pictures_in_bag: int
+) -> dict[str, Any]:
+    """The contents of summary.json.
+
+    Pose jitter is the standard deviation of the noise from picture to picture: rms of second differences / sqrt(6),
+    which leaves out steady drift and motion.
+    """
+    seen = [p for p in pictures if p.dock_seen]
+    poses = np.array([[p.dock_x, p.dock_y, p.dock_heading] for p in seen if p.dock_x is not None], dtype=float)
+    processing = np.array([p.processing_ms for p in pictures], dtype=float)
+    return {
+        "pictures_in_bag": pictures_in_bag,
+        "pictures_worked_through": len(pictures),
+        "dock_detected": len(seen),
+        "detection_rate": len(seen) / len(pictures) if pictures else 0.0,
+        "longest_gap_s": _longest_gap([p.stamp for p in pictures], [p.stamp for p in seen]),
+        "pose_jitter": _jitter(poses),
+        "perception_ms": spread(processing),
+        "shadow_controller": _shadow(cycles),
+    }
+
+
+def replay_table(summary: dict[str, Any]) -> str:
+    """The summary for a person."""
+    jitter, perception, shadow = summary["pose_jitter"], summary["perception_ms"], summary["shadow_controller"]
+    lines = [
+        f"  pictures                 {summary['pictures_worked_through']} of {summary['pictures_in_bag']} in the bag",
+        f"  dock detected            {summary['dock_detected']} ({100 * summary['detection_rate']:.1f} %),"
+        f" longest gap {summary['longest_gap_s']:.2f} s",
+    ]
+    if jitter is not None:
+        lines.append(
+            f"  pose jitter (1 sd)       {1e3 * jitter['position_m']:.2f} mm, {jitter['heading_deg']:.3f} deg"
+            " (dock in odom, picture to picture)"
+        )
+    lines += [
+        f"  perception per picture   median {perception['median']:.1f} ms, p99 {perception['p99']:.1f} ms (wall time)",
+        f"  shadow controller        {shadow['cycles']} cycles, solve median {shadow['solve_ms']['median']:.1f} ms,"
+        f" p99 {shadow['solve_ms']['p99']:.1f} ms",
+        f"  would have asked for     at most {shadow['v_max']:.2f} m/s and {shadow['omega_max']:.2f} rad/s",
+    ]
+    if shadow["v_rms_difference"] is not None:
+        lines.append(
+            f"  against the recording    rms {shadow['v_rms_difference']:.3f} m/s,"
+            f" {shadow['omega_rms_difference']:.3f} rad/s"
+        )
+    return "\n".join(lines)
+
+
+def _longest_gap(stamps: Sequence[float], seen: Sequence[float]) -> float:
+    if not stamps:
+        return 0.0
+    marks = [min(stamps), *seen, max(stamps)]
+    return float(np.max(np.diff(marks))) if len(marks) > 1 else 0.0
+
+
+def _jitter(poses: Array) -> dict[str, float] | None:
+    if len(poses) < 3:
+        return None
+    track = np.column_stack([poses[:, :2], np.unwrap(poses[:, 2])])
+    second = np.diff(track, n=2, axis=0)
+    position = math.sqrt(float(np.mean(np.sum(second[:, :2] ** 2, axis=1))) / 6.0)
+    heading = math.sqrt(float(np.mean(second[:, 2] ** 2)) / 6.0)
+    return {"position_m": position, "heading_deg": math.degrees(heading)}
+
+
+def _shadow(cycles: Sequence[CycleRow]) -> dict[str, Any]:
+    asked = np.array([[c.v, c.omega] for c in cycles], dtype=float).reshape(-1, 2)
+    compared = np.array(
+        [
+            [c.v - c.recorded_v, c.omega - c.recorded_omega]
+            for c in cycles
+            if c.recorded_v is not None and c.recorded_omega is not None
+        ],
+        dtype=float,
+    ).reshape(-1, 2)
+    rms = np.sqrt(np.mean(compared**2, axis=0)) if len(compared) else None
+    return {
+        "cycles": len(cycles),
+        "solve_ms": spread(np.array([c.solve_ms for c in cycles], dtype=float)),
+        "v_max": float(np.max(np.abs(asked[:, 0]), initial=0.0)),
+        "omega_max": float(np.max(np.abs(asked[:, 1]), initial=0.0)),
+        "v_rms_difference": None if rms is None else float(rms[0]),
+        "omega_rms_difference": None if rms is None else float(rms[1]),
+    }

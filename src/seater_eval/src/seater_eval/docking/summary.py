@@ -1,0 +1,143 @@
+"""The figures of one docking: summary.json and the table on the screen."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from seater_common.geometry import Chair, Dock, clearance
+from seater_common.se2 import compose, inverse
+from seater_eval.docking.recording import Recording, pose_at
+
+SUCCESS_CODES = (0, 1)  # DockResult.SUCCESS, DockResult.ALREADY_DOCKED
+
+
+def summarize(recording: Recording, dock: Dock, chair: Chair) -> dict[str, Any]:
+    """The contents of summary.json.
+
+    true_error is the docking error in the true dock frame when the run ended; estimate_error is the estimated dock in the true
+    dock frame, at the time of the last estimate. Docked means: the action says success and the truth agrees.
+    """
+    final = recording.truth[-1, 1:4]
+    error = error_of(dock.docking_error(final))
+    result = recording.result
+    code = int(result.result_code) if result is not None else 999
+    within = error["position_m"] <= dock.tolerance.position and abs(error["heading_deg"]) <= math.degrees(
+        dock.tolerance.heading
+    )
+    standing = bool(np.all(np.abs(recording.truth[-1, 4:6]) < 1e-3))
+    return {
+        "docked": bool(code in SUCCESS_CODES and within and standing),
+        "result_code": code,
+        "result_text": result.result_text if result is not None else "no result was received",
+        "num_retries": int(result.num_retries) if result is not None else 0,
+        "contact": bool(result.contact) if result is not None else False,
+        "standing": standing,
+        "true_error": error,
+        "estimate_error": _estimate_error(recording),
+        "tolerance": {
+            "position_m": dock.tolerance.position,
+            "heading_deg": math.degrees(dock.tolerance.heading),
+        },
+        "duration_s": _duration(recording),
+        "solve_ms": {**spread(1e3 * recording.control[:, 1]), "cycles": len(recording.control)},
+        "perception": _perception(recording),
+        "min_clearance_m": min(clearance(chair, dock.bay, pose) for pose in recording.truth[:, 1:4]),
+        "max_speed": {
+            "v_mps": float(np.max(np.abs(recording.truth[:, 4]))),
+            "omega_radps": float(np.max(np.abs(recording.truth[:, 5]))),
+        },
+        "start_pose": _pose(recording.truth[0, 1:4]),
+        "final_pose": _pose(final),
+    }
+
+
+def error_of(pose: ArrayLike) -> dict[str, float]:
+    """A pose (x, y, heading) in the frame where it should be zero, in metres and degrees."""
+    x, y, heading = (float(v) for v in np.asarray(pose, dtype=float))
+    return {
+        "longitudinal_m": x,
+        "lateral_m": y,
+        "position_m": math.hypot(x, y),
+        "heading_deg": math.degrees(heading),
+    }
+
+
+def table(summary: dict[str, Any]) -> str:
+    """The summary for a person, about a screen."""
+    true, estimate = summary["true_error"], summary["estimate_error"]
+    solve, perception = summary["solve_ms"], summary["perception"]
+    tolerance = summary["tolerance"]
+
+    def row(name: str, error: dict[str, float] | None) -> str:
+        if error is None:
+            return f"  {name:<26}the dock was never estimated"
+        return (
+            f"  {name:<26}{1e3 * error['longitudinal_m']:+9.2f} mm {1e3 * error['lateral_m']:+9.2f} mm"
+            f" {1e3 * error['position_m']:9.2f} mm {error['heading_deg']:+9.3f} deg"
+        )
+
+    start = summary["start_pose"]
+    word = "DOCKED" if summary["docked"] else "NOT DOCKED"
+    lines = [
+        f"{word}   result {summary['result_code']}: {summary['result_text']}",
+        "",
+        f"  {'':<26}{'longitudinal':>12} {'lateral':>12} {'distance':>12} {'heading':>13}",
+        row("true final error", true),
+        row("error of the estimate", estimate),
+        f"  {'tolerance':<26}{'':>25} {1e3 * tolerance['position_m']:9.2f} mm {tolerance['heading_deg']:9.3f} deg",
+        "",
+        f"  start                     ({start['x_m']:.2f} m, {start['y_m']:.2f} m, {start['heading_deg']:.1f} deg)",
+        f"  docking time              {summary['duration_s']:.1f} s (simulated), retries {summary['num_retries']}",
+        f"  smallest clearance        {1e3 * summary['min_clearance_m']:.0f} mm",
+        f"  solve time                median {solve['median']:.1f} ms, p99 {solve['p99']:.1f} ms,"
+        f" max {solve['max']:.1f} ms ({solve['cycles']} cycles)",
+        f"  pictures                  {perception['frames']} at {perception['rate_hz']:.1f} Hz (simulated),"
+        f" dock seen in {perception['detected']}",
+        f"  perception per picture    median {perception['latency_ms']['median']:.1f} ms,"
+        f" p99 {perception['latency_ms']['p99']:.1f} ms (wall time, receive to publish)",
+    ]
+    return "\n".join(lines)
+
+
+def _pose(pose: ArrayLike) -> dict[str, float]:
+    x, y, heading = (float(v) for v in np.asarray(pose, dtype=float))
+    return {"x_m": x, "y_m": y, "heading_deg": math.degrees(heading)}
+
+
+def _duration(recording: Recording) -> float:
+    if recording.result_time is not None and recording.goal_time is not None:
+        return recording.result_time - recording.goal_time
+    return float(recording.truth[-1, 0] - recording.truth[0, 0])
+
+
+def _estimate_error(recording: Recording) -> dict[str, float] | None:
+    if len(recording.dock_in_odom) == 0 or len(recording.odom) == 0:
+        return None
+    time = recording.dock_in_odom[-1, 0]
+    T_odom_dock = recording.dock_in_odom[-1, 1:4]
+    T_estimate_base = compose(inverse(T_odom_dock), pose_at(recording.odom, time))
+    T_true_base = pose_at(recording.truth, time)
+    return error_of(compose(T_true_base, inverse(T_estimate_base)))
+
+
+def _perception(recording: Recording) -> dict[str, Any]:
+    pictures = recording.pictures
+    span = float(pictures[-1, 0] - pictures[0, 0]) if len(pictures) > 1 else 0.0
+    return {
+        "frames": len(pictures),
+        "detected": int(np.sum(pictures[:, 2])),
+        "rate_hz": (len(pictures) - 1) / span if span > 0.0 else 0.0,
+        "latency_ms": spread(1e3 * pictures[:, 3]),
+    }
+
+
+def spread(values: ArrayLike) -> dict[str, float]:
+    """Median, 99th percentile and maximum; zeros when there is nothing to measure."""
+    values = np.asarray(values, dtype=float)
+    if values.size == 0:
+        return {"median": 0.0, "p99": 0.0, "max": 0.0}
+    return {"median": float(np.median(values)), "p99": float(np.percentile(values, 99)), "max": float(np.max(values))}

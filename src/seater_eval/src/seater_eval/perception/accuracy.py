@@ -1,0 +1,232 @@
+"""Error over distance for each marker size, beside the Cramer-Rao bound and other detectors on the same pictures."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from seater_eval.perception import subject
+from seater_eval.perception.accuracy_cells import BranchJob, CellJob, count_wrong_branches, run_cell, table_bounds
+from seater_eval.perception.degraded_camera import load_degraded_camera
+from seater_eval.perception.peers import LABELS
+from seater_eval.perception.published import published_pictures
+from seater_eval.report.bars import Bar, text_table
+from seater_eval.report.evaluation_style import figure, save
+from seater_eval.run.long_run import run_long
+
+METHODS = ("seater", "opencv_none", "opencv_default", "opencv_scaled", "opencv_apriltag", "pupil_apriltags")
+QUICK_METHODS = ("seater", "opencv_default")
+SIZES = (0.05, 0.10, 0.15)
+DISTANCES = {
+    0.05: (0.2, 0.35, 0.6, 1.0, 1.4),
+    0.10: (0.35, 0.6, 0.9, 1.25, 2.0, 2.84),
+    0.15: (0.5, 0.9, 1.5, 2.5, 3.75),
+}
+ANGLES = (0.0, math.radians(15.0), math.radians(30.0))
+QUICK_CELLS = (
+    (0.05, 0.6, 15.0),
+    (0.10, 0.35, 15.0),
+    (0.10, 0.9, 30.0),
+    (0.10, 1.25, 0.0),
+    (0.10, 2.84, 0.0),
+    (0.10, 2.84, 15.0),
+    (0.10, 2.84, 30.0),
+    (0.15, 1.5, 15.0),
+)
+NEAR = (0.35, 1.25)  # [m] where the paper calls the 100 mm marker most accurate
+TIMES_BOUND, TIMES_OPENCV, FEWER = 2.0, 10.0, 5.0
+FOUND = 0.9  # share of the pictures that have to be found before their errors count
+COLOURS = {
+    "seater": "#2e9e4f",
+    "opencv_none": "#8a8f98",
+    "opencv_default": "#c03030",
+    "opencv_scaled": "#d1852c",
+    "opencv_apriltag": "#7a4fb0",
+    "pupil_apriltags": "#1f6fb4",
+}
+
+
+def run_accuracy(config: str | Path, quick: bool, partial: Path | None = None) -> dict[str, Any]:
+    """All cells, the wrong-branch frames, the published pictures. `partial`: see run_long. Raises ParameterError."""
+    config = str(config)
+    camera = load_degraded_camera(Path(config) / "cameras" / "degraded.yaml")
+    subject.make_detector(camera, 0.1, subject.perception_parameters(config), prior=True)  # wrong parameters: now
+    if quick:
+        wanted = [(size, z, math.radians(angle)) for size, z, angle in QUICK_CELLS]
+    else:
+        wanted = [(size, z, angle) for size in SIZES for z in DISTANCES[size] for angle in ANGLES]
+    methods, pictures, slow, frames = (QUICK_METHODS, 24, 0, 60) if quick else (METHODS, 48, 12, 3000)
+    jobs = [CellJob(config, *cell, pictures, slow, methods, i) for i, cell in enumerate(wanted)]
+    jobs.sort(key=lambda job: job.distance / job.size)  # the longest first, so that no core waits at the end
+    blocks = [BranchJob(config, first, min(first + 20, frames)) for first in range(0, frames, 20)]
+    results = run_long(run_part, [*jobs, *blocks], label="perception_accuracy", config=config, partial=partial)
+    cells, counts = results[: len(jobs)], results[len(jobs) :]
+    cells.sort(key=lambda cell: (cell["size"], cell["distance"], cell["angle_deg"]))
+    return {
+        "quick": quick,
+        "conditions": {k: getattr(camera, k) for k in camera.__dataclass_fields__},
+        "cells": cells,
+        "branches": {key: sum(c[key] for c in counts) for key in counts[0]},
+        "published": published_pictures(config),
+    }
+
+
+def run_part(job: CellJob | BranchJob) -> dict[str, Any]:
+    """One cell of the table, or one block of frames."""
+    return run_cell(job) if isinstance(job, CellJob) else count_wrong_branches(job)
+
+
+def _median(cell: dict[str, Any], method: str) -> float | None:
+    entry = cell["methods"].get(method)
+    return None if entry is None else entry["position_mm"]["median"]
+
+
+def _pooled(cells: list[dict[str, Any]], distance: float, method: str) -> float | None:
+    """Median position error [mm] over all poses of this distance (all angles); bound: of an estimator that reaches it."""
+    key = "bound_draws_mm" if method == "bound" else None
+    here = [c for c in cells if c["distance"] == distance]
+    values = [v for c in here for v in (c[key] if key else c["methods"][method]["every_mm"])]
+    return float(np.median(values)) if values else None
+
+
+def _worst_ratio(cells: list[dict[str, Any]], over: str) -> tuple[float | None, str]:
+    """The worst over the distances: ours over the bound (largest), or OpenCV default over ours (smallest). And where that is,
+    with the same of the worst single cell, which is of one angle."""
+    ratios, single = [], []
+    for cell in cells:
+        ours, other = _median(cell, "seater"), cell["bound_median_mm"] if over == "bound" else _median(cell, over)
+        if ours is not None and other is not None:
+            single.append((ours / other if over == "bound" else other / ours, cell["angle_deg"], cell["distance"]))
+    for distance in sorted({c["distance"] for c in cells}):
+        ours, other = _pooled(cells, distance, "seater"), _pooled(cells, distance, over)
+        here = [c["methods"]["seater"] for c in cells if c["distance"] == distance]
+        found, shown = sum(m["found"] for m in here), sum(m["shown"] for m in here)
+        if ours is None or found < FOUND * shown:  # errors of a chosen few would say nothing
+            return None, f"only {found} of {shown} found at {distance:g} m"
+        if other is not None:  # where OpenCV finds nothing there is nothing to compare
+            ratios.append((ours / other if over == "bound" else other / ours, distance))
+    if not ratios or not single:
+        return None, "nothing to compare"
+    pick = max if over == "bound" else min
+    worst, cell_worst = pick(ratios), pick(single)
+    where = f"worst at {worst[1]:g} m; worst cell: {cell_worst[0]:.3g} at {cell_worst[2]:g} m, {cell_worst[1]:.0f} deg"
+    return worst[0], where
+
+
+def accuracy_bars(data: dict[str, Any]) -> list[Bar]:
+    """The rows of the table that this command measures."""
+    cells, branches, published = data["cells"], data["branches"], data["published"]
+    near = [c for c in cells if c["size"] == 0.1 and NEAR[0] <= c["distance"] <= NEAR[1]]
+    far = [c for c in cells if c["size"] == 0.1 and c["distance"] == 2.84]
+    outside = sum(not c["nees"]["inside"] for c in cells)
+    found = f"{branches['found']} of {branches['frames']} frames found"
+    enough = branches["found"] >= FOUND * branches["frames"]
+    enough_without = branches["found without prior"] >= FOUND * branches["frames"]
+    without = branches["seater without prior"]
+    by_chance = f"a right covariance: {0.05 * len(cells):.1f} of {len(cells)} cells expected by chance"
+    far_outside = sum(not _inside_table_bounds(c["nees"], len(cells)) for c in cells)
+    bound, at_bound = _worst_ratio(near, "bound")
+    times, at_times = _worst_ratio(near, "opencv_default")
+    far_times, at_far = _worst_ratio(far, "opencv_default")
+    bars = [
+        Bar("100 mm, 0.35-1.25 m: median position error / bound", bound, TIMES_BOUND, note=at_bound),
+        Bar("same: OpenCV default / ours", times, TIMES_OPENCV, "", "at least", at_times),
+        Bar("100 mm, 2.84 m: OpenCV default / ours", far_times, TIMES_OPENCV, "", "at least", at_far),
+        Bar("wrong branch with prior", branches["seater"] if enough else None, 0.0, "", "at most", found),
+        Bar("cells whose normalised error is out of its 95 % bounds", outside, 0.0, "", "at most", by_chance),
+        Bar("cells out of the bounds that a right covariance keeps in 95 % of such tables", far_outside, 0.0),
+    ]
+    if branches["ippe"] > 0 or not data["quick"]:  # the quick version's frames may be too few for IPPE to err at all
+        fewer = (
+            without if enough_without and branches["ippe"] > 0 else None
+        )  # where IPPE makes no mistake, nothing is shown
+        note = f"IPPE alone: {branches['ippe']}; {branches['found without prior']} frames found"
+        name = f"wrong branch without prior ({FEWER:.0f} times fewer than IPPE alone)"
+        bars.append(Bar(name, fewer, branches["ippe"] / FEWER, "", "at most", note))
+    if published is None:
+        note = "skipped: Debian's package visp-images-data is not installed"
+        return [*bars, Bar("visp-images-data", None, 0.0, "", "at most", note)]
+    missed = published["tags"] - published["seater"]["found"]
+    rows = []
+    for kind, key in (("median", "median_mm"), ("worst", "worst_mm")):
+        ours, best = published["seater"][key], published[f"best_opencv_{key}"]
+        ratio = None if ours is None or best is None else ours / best
+        rows.append((f"visp-images-data: {kind} position error / best of OpenCV's refinements", ratio))
+    return [*bars, Bar("visp-images-data: tags missed", missed, 0.0), *(Bar(name, value, 1.0) for name, value in rows)]
+
+
+def _inside_table_bounds(nees: dict[str, Any], cells: int) -> bool:
+    if not nees["count"]:
+        return False
+    low, high = table_bounds(nees["count"], cells)
+    return bool(low <= nees["mean"] <= high)
+
+
+def describe_accuracy(data: dict[str, Any]) -> str:
+    """One line for each cell; then wrong branches and published pictures."""
+    methods = [m for m in data["cells"][0]["methods"] if m != "seater"]
+    head = ["cell", "found", "bound", "seater", "p95", "deg", *methods, "NEES", "95 % bounds", "wrong"]
+    rows = []
+    for cell in data["cells"]:
+        ours, nees = cell["methods"]["seater"], cell["nees"]
+        name = f"{1e3 * cell['size']:.0f} mm {cell['distance']:.2f} m {cell['angle_deg']:.0f} deg"
+        found = f"{ours['found']}/{ours['shown']}"
+        bounds = (
+            "-" if nees["mean"] is None else f"{nees['low']:.1f}-{nees['high']:.1f}{'' if nees['inside'] else ' !'}"
+        )
+        figures = [cell["bound_median_mm"], ours["position_mm"]["median"], ours["position_mm"]["p95"]]
+        figures += [ours["angle_deg"]["median"], *(_median(cell, m) for m in methods), nees["mean"]]
+        rows.append([name, found, *(_short(f) for f in figures), bounds, str(cell["wrong_branch"])])
+    branches = ", ".join(f"{key} {value}" for key, value in data["branches"].items())
+    text = (
+        f"{text_table(head, rows)}\n  Median position errors in mm (of what was found).\n  Wrong branches: {branches}"
+    )
+    if data["published"] is None:
+        return text + "\n  SKIPPED: the published pictures (Debian's package visp-images-data is not installed)"
+    lines = [
+        f"    {LABELS[m]}: {p['found']} found, median {_short(p['median_mm'])} mm, worst {_short(p['worst_mm'])} mm; from"
+        f" the common poses {_short(p['from_corners_median_mm'])}, {_short(p['from_corners_worst_mm'])} mm"
+        for m, p in data["published"].items()
+        if isinstance(p, dict)
+    ]
+    title = f"\n  Published pictures, {data['published']['tags']} tags"
+    return text + title + " (common poses: of the package's corners in all three pictures):\n" + "\n".join(lines)
+
+
+def _short(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3g}"
+
+
+def draw_accuracy(data: dict[str, Any], path: Path) -> Path:
+    """The paper's missing figure: position error over distance, a panel for each size, medians over the angles."""
+    sizes = sorted({cell["size"] for cell in data["cells"]})
+    fig, axes = figure(len(sizes), width=5.2, height=5.6)
+    for axis, size in zip(np.atleast_1d(axes), sizes, strict=True):
+        cells = [cell for cell in data["cells"] if cell["size"] == size]
+        distances = sorted({cell["distance"] for cell in cells})
+
+        def over(value: Any, cells: Any = cells, distances: Any = distances) -> list[float]:
+            found = [[value(c) for c in cells if c["distance"] == z and value(c) is not None] for z in distances]
+            return [float(np.median(f)) if f else math.nan for f in found]
+
+        for method in cells[0]["methods"]:
+            medians = over(lambda c, m=method: _median(c, m))
+            style = {"lw": 2.5, "zorder": 3} if method == "seater" else {"lw": 1.2}
+            axis.loglog(distances, medians, "o-", color=COLOURS[method], label=LABELS[method], ms=4, **style)
+        axis.loglog(distances, over(lambda c: c["bound_median_mm"]), "k.--", label=LABELS["bound"])
+        axis.set_xticks(distances, [f"{z:g}" for z in distances], fontsize=8)
+        axis.minorticks_off()
+        axis.set(xlabel="distance [m]", title=f"{1e3 * size:.0f} mm marker")
+        axis.grid(alpha=0.3)
+    first = np.atleast_1d(axes)[0]
+    first.set_ylabel("median position error [mm]")
+    handles, labels = first.get_legend_handles_labels()
+    fig.get_layout_engine().set(rect=(0.0, 0.12, 1.0, 0.88))
+    fig.legend(handles, labels, loc="lower center", ncols=4, fontsize=9)
+    fig.suptitle(
+        "How exactly a marker's position is measured: 0 to 30 deg from frontal, all methods on the same pictures"
+    )
+    return save(fig, path)

@@ -1,0 +1,244 @@
+"""Milliseconds per picture on one core, at three resolutions, with few and many markers; all methods take turns."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import time
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_eval.perception import subject
+from seater_eval.perception.degraded_camera import DegradedCamera, load_degraded_camera
+from seater_eval.perception.peers import LABELS, Detector, dictionary_of, make_peer
+from seater_eval.perception.render import Print, clean_picture, exposed
+from seater_eval.perception.scenes import facing
+from seater_eval.report.bars import Bar, spread, text_table
+from seater_eval.report.evaluation_style import figure, save
+from seater_eval.run.parallel import StepProgress
+
+Picture = NDArray[np.uint8]
+RESOLUTIONS = ((640, 480), (1280, 720), (1920, 1080))
+MARKERS, QUICK_MARKERS = (1, 3, 10, 30), (1, 3)
+BAR_RESOLUTION = (1280, 720)
+SEARCH, TRACKING, PLAIN = "seater search", "seater tracking", "opencv_none"
+METHODS = (SEARCH, TRACKING, PLAIN, "opencv_default", "opencv_apriltag", "pupil_apriltags")
+SLOWER, TRACKED = 1.3, 0.35
+FOUND = 0.9  # share of the markers that have to be found
+SLOWEST = "opencv_apriltag"  # takes up to a second: measured with a few pictures only
+COLOURS = {
+    SEARCH: "#2e9e4f",
+    TRACKING: "#83c99a",
+    PLAIN: "#8a8f98",
+    "opencv_default": "#c03030",
+    "opencv_apriltag": "#7a4fb0",
+    "pupil_apriltags": "#1f6fb4",
+}
+
+
+def scene(camera: DegradedCamera, markers: int, dictionary: str, size: float, shift: float) -> list[Print]:
+    """Markers on a wall in a grid that fills the view, `shift` [m] to the side; one marker: in the middle."""
+    columns = int(np.ceil(np.sqrt(markers * 16.0 / 9.0)))
+    rows = int(np.ceil(markers / columns))
+    distance = 0.9 if markers < 4 else 1.5
+    half_width = 0.5 * camera.image_width / camera.focal_length * distance
+    half_height = 0.5 * camera.image_height / camera.focal_length * distance
+    prints = []
+    for i in range(markers):
+        x = ((i % columns + 0.5) / columns - 0.5) * 1.8 * half_width
+        y = ((i // columns + 0.5) / rows - 0.5) * 1.7 * half_height
+        prints.append(Print(dictionary, i, size, facing(x + shift, y, distance, 0.1)))
+    return prints
+
+
+def pictures_of(camera: DegradedCamera, markers: int, dictionary: str, size: float, count: int) -> list[Picture]:
+    """A sequence in which the camera moves 2 mm to the side from picture to picture."""
+    random = np.random.default_rng(5)
+    return [
+        exposed(clean_picture(scene(camera, markers, dictionary, size, 0.002 * k), camera), camera.noise_sd, random)
+        for k in range(count)
+    ]
+
+
+class Timed:
+    """A detector in this process, with the processor time it took."""
+
+    def __init__(self, detect: Detector) -> None:
+        self._detect = detect
+
+    def __call__(self, picture: Picture) -> tuple[set[int], float]:
+        """Ids found and processor time [ms]."""
+        start = time.thread_time()
+        seen = self._detect(picture)
+        return {s.id for s in seen}, 1e3 * (time.thread_time() - start)
+
+    def end(self) -> None:
+        """Nothing to do here."""
+
+
+class TimedElsewhere(Timed):
+    """The same in a process of its own: what pupil-apriltags does to its heap when it is destroyed stays there."""
+
+    def __init__(self, name: str, K: NDArray[np.float64], size: float) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._pipe, theirs = context.Pipe()
+        self._process = context.Process(target=_serve, args=(theirs, name, K, size), daemon=True)
+        self._process.start()
+        theirs.close()
+
+    def __call__(self, picture: Picture) -> tuple[set[int], float]:
+        self._pipe.send(picture)
+        ids, taken = self._pipe.recv()
+        return ids, taken
+
+    def end(self) -> None:
+        self._pipe.send(None)
+        self._process.join(5.0)
+
+
+def _serve(pipe: Any, name: str, K: NDArray[np.float64], size: float) -> None:
+    detector = Timed(make_peer(name, K, size))
+    while (picture := pipe.recv()) is not None:
+        pipe.send(detector(picture))
+    os._exit(0)  # without any destructor
+
+
+def time_case(
+    config: str, camera: DegradedCamera, markers: int, names: list[str], repeats: int
+) -> list[dict[str, Any]]:
+    """Processor time of this thread for each method on the same sequence, in turns, after one picture to warm up."""
+    size = 0.06 if markers >= 10 else 0.1
+    parameters = subject.perception_parameters(config)
+    detectors: dict[str, Timed] = {}
+    for name in names:
+        if name in (SEARCH, TRACKING):
+            made = subject.make_detector(camera, size, parameters, prior=False, tracking=name == TRACKING)
+            detectors[name] = Timed(subject.as_peer(made))
+        elif name == "pupil_apriltags":
+            detectors[name] = TimedElsewhere(name, camera.K, size)
+        else:
+            detectors[name] = Timed(make_peer(name, camera.K, size))
+    sequences = {d: pictures_of(camera, markers, d, size, repeats + 1) for d in {dictionary_of(n) for n in names}}
+    times: dict[str, list[float]] = {name: [] for name in names}
+    found: dict[str, list[int]] = {name: [] for name in names}
+    for k in range(repeats + 1):
+        for name in names:
+            if name == SLOWEST and k > 3:
+                continue
+            picture = sequences[dictionary_of(name)][k]
+            ids, taken = detectors[name](picture)
+            if k > 0:
+                times[name].append(taken)
+                found[name].append(len(ids))
+    for detector in detectors.values():
+        detector.end()
+    base = {"width": camera.image_width, "height": camera.image_height, "markers": markers}
+    return [
+        {**base, "method": n, "cpu_ms": spread(times[n]), "found": float(np.mean(found[n])), "pictures": len(times[n])}
+        for n in names
+    ]
+
+
+def run_speed(config: str | Path, quick: bool) -> dict[str, Any]:
+    """All cases, one after another in this process. Raises ParameterError."""
+    cv2.setNumThreads(1)
+    config = str(config)
+    camera = load_degraded_camera(Path(config) / "cameras" / "degraded.yaml")
+    names = list(METHODS)
+    if quick:
+        names = [name for name in names if name != SLOWEST]
+    resolutions, counts, repeats = ((BAR_RESOLUTION,), QUICK_MARKERS, 12) if quick else (RESOLUTIONS, MARKERS, 40)
+    progress = StepProgress("perception_speed", len(resolutions) * len(counts))
+    rows = []
+    for width, height in resolutions:
+        for markers in counts:
+            rows += time_case(config, camera.resized(width, height), markers, names, repeats)
+            progress.done()
+    progress.end()
+    return {
+        "quick": quick,
+        "conditions": {
+            "time": "processor time of the thread, OpenCV with one thread, methods in turns on the same pictures",
+            "pupil_apriltags": "quad_decimate 1 (its most accurate setting), tags of 36h11 in the same places",
+            "cores": os.cpu_count(),
+            "load_average": os.getloadavg(),
+        },
+        "rows": rows,
+    }
+
+
+def _row(data: dict[str, Any], method: str, markers: int) -> dict[str, Any] | None:
+    """At the resolution of the bars; None when it was not measured."""
+    for row in data["rows"]:
+        if (row["method"], row["width"], row["height"], row["markers"]) == (method, *BAR_RESOLUTION, markers):
+            return dict(row) if row["cpu_ms"]["median"] is not None else None
+    return None
+
+
+def _found(row: dict[str, Any]) -> bool:
+    return bool(row["found"] >= FOUND * row["markers"])
+
+
+def speed_bars(data: dict[str, Any]) -> list[Bar]:
+    """Ratios to plain OpenCV within this run, for each number of markers. Our time says nothing where we do not find them;
+    what plain OpenCV does not find only makes it quicker."""
+    bars = []
+    for method, limit in ((SEARCH, SLOWER), (TRACKING, TRACKED)):
+        for markers in sorted({row["markers"] for row in data["rows"]}):
+            ours, plain = (_row(data, name, markers) for name in (method, PLAIN))
+            ratio, note = None, "not measured, or not all markers found"
+            if ours is not None and plain is not None and _found(ours):
+                ratio = ours["cpu_ms"]["median"] / plain["cpu_ms"]["median"]
+                p95 = [row["cpu_ms"]["p95"] for row in (ours, plain)]
+                note = f"median of {ours['pictures']}; p95 {p95[0]:.1f} ms, plain {p95[1]:.1f} ms"
+                note += "" if _found(plain) else f"; plain finds {plain['found']:.1f}"
+            name = f"{method} / plain OpenCV detection, 1280 x 720, {markers} markers"
+            bars.append(Bar(name, ratio, limit, note=note))
+    return bars
+
+
+def describe_speed(data: dict[str, Any]) -> str:
+    """One line for each resolution and number of markers."""
+    names = [name for name in METHODS if any(row["method"] == name for row in data["rows"])]
+    rows = []
+    for width, height, markers in dict.fromkeys((r["width"], r["height"], r["markers"]) for r in data["rows"]):
+        cells = [
+            r for n in names for r in data["rows"] if (r["method"], r["width"], r["markers"]) == (n, width, markers)
+        ]
+        shown = [f"{r['cpu_ms']['median']:.1f} ({r['found']:.0f})" for r in cells]
+        rows.append([f"{width} x {height}, {markers} markers", *shown])
+    head = ["picture", *(name.replace("_", " ") for name in names)]
+    return text_table(head, rows) + "\n  Median processor time in ms (markers found)."
+
+
+def draw_speed(data: dict[str, Any], path: Path) -> Path:
+    """A panel for each resolution: time over the number of markers."""
+    resolutions = list(dict.fromkeys((row["width"], row["height"]) for row in data["rows"]))
+    fig, axes = figure(len(resolutions), width=max(5.0, 12.0 / len(resolutions)), height=5.0)
+    for axis, (width, height) in zip(np.atleast_1d(axes), resolutions, strict=True):
+        for name in METHODS:
+            rows = [r for r in data["rows"] if r["method"] == name and r["width"] == width]
+            if not rows:
+                continue
+            x, y = [r["markers"] for r in rows], [r["cpu_ms"]["median"] for r in rows]
+            axis.loglog(x, y, "o-", color=COLOURS[name], label=LABELS.get(name, name))
+            few = [k for k, row in enumerate(rows) if not _found(row)]
+            axis.plot([x[k] for k in few], [y[k] for k in few], "o", color=COLOURS[name], markerfacecolor="white")
+        ticks = sorted({row["markers"] for row in data["rows"]})
+        axis.set_xticks(ticks, [str(t) for t in ticks])
+        marks = (0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+        axis.set_yticks(marks, [str(m) for m in marks])
+        axis.minorticks_off()
+        axis.set_ylim(0.2, 2000.0)
+        axis.set(xlabel="markers in the picture", title=f"{width} x {height}")
+        axis.grid(alpha=0.3)
+    first = np.atleast_1d(axes)[0]
+    first.set_ylabel("processor time per picture, one core [ms]")
+    first.plot([], [], "o", color="black", markerfacecolor="white", label="finds less than 90 % of the markers")
+    fig.get_layout_engine().set(rect=(0.0, 0.17, 1.0, 0.83))
+    fig.legend(*first.get_legend_handles_labels(), loc="lower center", ncols=3, fontsize=9)
+    return save(fig, path)

@@ -1,0 +1,1 @@
+"""Bars and pictures that all reports share."""

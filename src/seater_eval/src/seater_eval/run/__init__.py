@@ -1,0 +1,1 @@
+"""Running evaluation commands: options, files, processes, progress, interrupted runs."""

@@ -1,0 +1,1 @@
+"""The controller: one command a cycle."""

@@ -1,0 +1,242 @@
+"""The docking controller: vehicle pose, velocity and dock pose in, a safe velocity command out. No ROS."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seater_common.geometry import Chair, Dock
+from seater_common.se2 import compose, relative
+from seater_nmpc.control.braking import BrakingCheck, braked, curvature_at
+from seater_nmpc.control.command import Command, Counters, Status
+from seater_nmpc.control.limits import clamp, in_bay
+from seater_nmpc.control.replanner import Replanner, composed
+from seater_nmpc.observe.prediction import CommandHistory, coasting_pose
+from seater_nmpc.ocp.geometry import dock_areas
+from seater_nmpc.ocp.separation import convex_outline
+from seater_nmpc.parameters import ControlParameters
+from seater_nmpc.solve.solver import Solution, Solver, SolveStatus
+
+Array = NDArray[np.float64]
+Target = str | Sequence[float] | Array
+
+_SPEED_MISMATCH = (
+    0.05  # [m/s, rad/s] by which the measured speed may differ from the commanded one beside what lag explains
+)
+_FARTHEST = 1000.0  # [m] distance of the target at which no solver is asked: from 1e300 m fatrop does not come back
+_TOO_NEAR = "an obstacle is within the stopping distance"
+
+
+class DockingController:
+    """Drives the chair to the dock, or to another pose that is given in the dock's frame.
+
+    Poses are (x, y, heading) in any one common frame (odom, say). The whole use, without ROS:
+
+        from seater_common.geometry import Chair, Dock
+        from seater_common.se2 import arc_step
+        from seater_nmpc.control.controller import DockingController
+
+        controller = DockingController(Chair(), Dock())
+        pose, velocity, dock_pose, period = [-2.5, 0.8, -0.35], (0.0, 0.0), [0.0, 0.0, 0.0], 0.05
+        for cycle in range(300):
+            command = controller.command(pose, velocity, dock_pose)
+            velocity = (command.v, command.omega)
+            pose = arc_step(pose, *velocity, period)  # here your chair drives
+        print(pose)  # at the dock, a hundredth of a millimetre away
+
+    Whatever comes in, the command is finite and within the chair's limits of speed and acceleration. Without a usable
+    solution the last plan is followed for a short time (`fallback/max_plan_age`), then the chair brakes and stands. A
+    command after which the chair could not stop short of an obstacle is not given: it brakes instead.
+    """
+
+    def __init__(
+        self,
+        chair: Chair,
+        dock: Dock,
+        parameters: ControlParameters | None = None,
+        *,
+        deterministic: bool = False,
+        solver: Solver | None = None,
+    ) -> None:
+        """`deterministic`: no wall-time limit, so that a slow machine decides the same. `solver` replaces the named one."""
+        self._chair, self._dock = chair, dock
+        self.parameters = parameters or ControlParameters()
+        self._areas = dock_areas(dock) if self.parameters.walls else None
+        self._replanner = Replanner(chair, self.parameters, self._areas, deterministic=deterministic, solver=solver)
+        self._history = CommandHistory(self.parameters.prediction)
+        prediction = self.parameters.prediction
+        period = self.parameters.control_period
+        self._braking = BrakingCheck(chair, self.parameters.stop_margin, period, prediction.motor_lag)
+        self.counters = Counters()
+        self._clock = 0.0
+        self._acts_at = np.zeros(3)  # base_link in the dock's frame where the next command begins to act
+        self._obstacles: list[Array] = []
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget plan and commands, as at the beginning of a goal."""
+        self._history.clear()
+        self._replanner.reset()
+        self.counters.consecutive_failures = 0
+
+    def reset_commands(self) -> None:
+        """Forget the commands but keep the plan: the next plan begins with the measured speed."""
+        self._history.clear()
+
+    @property
+    def obstacles(self) -> list[Array]:
+        """What `set_obstacles` was given last, as convex anticlockwise outlines (n, 2) in the dock's frame [m]."""
+        return self._obstacles
+
+    def set_obstacles(self, polygons: Sequence[ArrayLike]) -> None:
+        """Obstacles to keep clear of from now on (an empty list: none), each by its corners (n, 2) in the dock's frame [m].
+
+        The convex hull of the corners counts. They hold until the next call. Without walls in the problem (`walls: false`)
+        there are no areas at all, and obstacles are refused.
+
+        Raises:
+            ValueError: a polygon is not finite or has no area, or the problem has no areas; what held before still holds.
+        """
+        outlines = [convex_outline(polygon) for polygon in polygons]
+        if outlines and self._areas is None:
+            raise ValueError("control/walls: is false, must be true for obstacles to be kept clear of")
+        self._obstacles = outlines
+
+    def warm_up(self) -> None:
+        """Solve once cold and once warm, so that no cycle pays for loading the solver."""
+        for _ in range(2):
+            self.command([self._dock.predock_x, 0.0, 0.0], (0.0, 0.0), [0.0, 0.0, 0.0])
+        self.reset()
+        self.counters = Counters()
+
+    def command(
+        self,
+        vehicle_pose: ArrayLike,
+        velocity: tuple[float, float],
+        dock_pose: ArrayLike,
+        target: Target = "dock",
+        stamp: float | None = None,
+    ) -> Command:
+        """The command for this control cycle.
+
+        Args:
+            vehicle_pose: base_link, (x [m], y [m], heading [rad]) in the common frame, at `stamp`.
+            velocity: measured (v [m/s], omega [rad/s]).
+            dock_pose: the dock's frame in the common frame.
+            target: `dock`, `predock`, or a pose (x, y, heading) in the dock's frame.
+            stamp: time of the vehicle pose [s]; without it, one control period after the last call.
+        """
+        stamp = self._clock + self.parameters.control_period if stamp is None else stamp
+        numbers = [*np.ravel(vehicle_pose), *velocity, *np.ravel(dock_pose), stamp]
+        self.counters.cycles += 1
+        if not all(math.isfinite(value) for value in numbers):
+            self.counters.refused_inputs += 1
+            return self._fall_back(self._clock, None, "input not finite")
+        self._clock = stamp
+        T_dock_target = self._target(target)
+        pose, v, omega = self._history.roll(stamp, vehicle_pose, *velocity)
+        before = self._speeds_before(v, omega)
+        self._acts_at = relative(dock_pose, pose)
+        ahead = coasting_pose(pose, v, omega, self.parameters.prediction.motor_lag)
+        ahead = coasting_pose(ahead, *before, -self._replanner.lead)
+        state = np.concatenate([relative(compose(dock_pose, T_dock_target), ahead), before])
+        if not (np.all(np.isfinite(state)) and np.max(np.abs(state[:2])) <= _FARTHEST):
+            self.counters.refused_inputs += 1
+            return self._fall_back(stamp, None, f"target is farther than {_FARTHEST:.0f} m")
+        acceleration = self._history.acceleration(self.parameters.control_period)
+        solution = self._replanner.solve(state, stamp, T_dock_target, self._obstacles, acceleration)
+        slow = self._areas is not None and in_bay(self._chair, self._dock.bay, self._acts_at)
+        if not self._replanner.usable(solution):
+            return self._fall_back(stamp, solution, solution.text, slow)
+        return self._follow(solution, stamp, compose(dock_pose, T_dock_target), before, slow)
+
+    def _target(self, target: Target) -> Array:
+        if isinstance(target, str):
+            named = {"dock": [0.0, 0.0, 0.0], "predock": [self._dock.predock_x, 0.0, 0.0]}
+            if target not in named:
+                raise ValueError(f"target: is {target!r}, must be one of {', '.join(named)} or a pose")
+            return np.array(named[target])
+        return np.asarray(target, dtype=float)
+
+    def _speeds_before(self, v: float, omega: float) -> tuple[float, float]:
+        """Speeds that the plan begins with: the last command, unless the chair plainly does not follow it."""
+        last = self._history.last
+        if last is None:
+            return v, omega
+        limits, prediction = self._chair.limits, self.parameters.prediction
+        window = prediction.motor_lag + prediction.command_delay + 2.0 * self.parameters.control_period
+        result = []
+        for sent, measured, rate in zip(last, (v, omega), (limits.a_max, limits.alpha_max), strict=True):
+            reach = rate * window + _SPEED_MISMATCH
+            result.append(min(max(sent, measured - reach), measured + reach))
+        return result[0], result[1]
+
+    def _follow(
+        self, solution: Solution, stamp: float, target: Array, before: tuple[float, float], slow: bool
+    ) -> Command:
+        plan = self._replanner.plan
+        assert plan is not None  # a usable solution leaves one
+        v, omega = plan.speeds_at(0.0 if plan.speeds_held else self.parameters.control_period)
+        v, omega = clamp(self._chair, v, omega, before, self.parameters.control_period, slow)
+        self.counters.consecutive_failures = 0
+        if not self._stops_clear(v, omega):
+            self.counters.obstacle_stops += 1
+            return self._brake(stamp, solution, _TOO_NEAR, slow)
+        self._history.sent(stamp, v, omega)
+        status = Status.SOLVED
+        if solution.status is SolveStatus.LIMIT:
+            self.counters.time_limits += 1
+            status = Status.TIME_LIMIT
+        return Command(
+            v,
+            omega,
+            status,
+            self._replanner.name,
+            solution.text,
+            solution.solve_time,
+            self._replanner.solve_cpu,
+            solution.iterations,
+            solution.cost,
+            max(plan.violation, solution.gap),
+            composed(target, plan.states[:, :3]),
+        )
+
+    def _fall_back(self, stamp: float, solution: Solution | None, text: str, slow: bool = False) -> Command:
+        """The last plan followed further, else braking."""
+        self.counters.consecutive_failures += 1
+        plan, age, period = self._replanner.plan, stamp - self._replanner.stamp, self.parameters.control_period
+        if solution is not None and plan is not None and age <= self.parameters.fallback.max_plan_age + 1e-9:
+            v, omega = plan.speeds_at(age + period)
+            v, omega = clamp(self._chair, v, omega, self._history.last or (0.0, 0.0), period, slow)
+            if self._stops_clear(v, omega):
+                self.counters.shifted += 1
+                return self._sent(stamp, v, omega, Status.FALLBACK_SHIFTED, solution, text)
+        self.counters.braked += 1
+        return self._brake(stamp, solution, text, slow)
+
+    def _brake(self, stamp: float, solution: Solution | None, text: str, slow: bool) -> Command:
+        """Slower along the last plan's path, or with the curvature kept, which ends in standing."""
+        before, period = self._history.last or (0.0, 0.0), self.parameters.control_period
+        path = self._replanner.path
+        curvature = None if path is None else curvature_at(path, self._acts_at)
+        v, omega = braked(before, self._chair.limits.a_max * period, curvature)
+        v, omega = clamp(self._chair, v, omega, before, period, slow)
+        return self._sent(stamp, v, omega, Status.FALLBACK_BRAKE, solution, text)
+
+    def _sent(
+        self, stamp: float, v: float, omega: float, status: Status, solution: Solution | None, text: str
+    ) -> Command:
+        """A command that does not come from a new plan; remembered as sent."""
+        self._history.sent(stamp, v, omega)
+        wall, cpu, iterations = 0.0, 0.0, 0
+        if solution is not None:
+            wall, cpu, iterations = solution.solve_time, self._replanner.solve_cpu, solution.iterations
+        return Command(v, omega, status, self._replanner.name, text, wall, cpu, iterations)
+
+    def _stops_clear(self, v: float, omega: float) -> bool:
+        if not self._obstacles:
+            return True
+        return self._braking.passes(self._acts_at, v, omega, self._obstacles, self._replanner.path)

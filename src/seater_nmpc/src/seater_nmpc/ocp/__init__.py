@@ -1,0 +1,1 @@
+"""The optimal control problem: model, constraints, cost, as a programme in stages."""

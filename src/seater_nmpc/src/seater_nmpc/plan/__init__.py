@@ -1,0 +1,1 @@
+"""Paths round obstacles to the dock."""

@@ -1,0 +1,103 @@
+"""Where to drive to while the chair is not in front of the bay yet: plans, follows the plan, and plans anew when it has to."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seater_common.geometry import Chair, Dock
+from seater_common.se2 import wrap_angle
+from seater_nmpc.parameters import ControlParameters, PlannerParameters
+from seater_nmpc.plan.guide import Guide
+from seater_nmpc.plan.planner import Planner
+
+Array = NDArray[np.float64]
+
+_LOOKAHEADS = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)  # shares of `lookahead` that are tried, the farthest first
+_LANE_STEPS = 12  # poses between the chair and the bay at which the straight way is looked at
+
+
+class Navigator:
+    """Targets on the way to the corridor, all in the dock's frame. One instance may serve many dockings."""
+
+    def __init__(
+        self, chair: Chair, dock: Dock, control: ControlParameters, parameters: PlannerParameters | None = None
+    ) -> None:
+        self._dock, self._parameters = dock, parameters or PlannerParameters()
+        self._planner = Planner(chair, dock, self._parameters, control.margin, control.view_half_angle)
+        self._gate_x = dock.bay.entrance_x - chair.length_front
+        self._guide: Guide | None = None
+        self._tried = False
+
+    def prepare(self) -> None:
+        """Do the search now that the first plan needs."""
+        self._planner.prepare()
+
+    def restart(self) -> None:
+        """Forget the plan, as at the beginning of an approach."""
+        self._guide, self._tried = None, False
+
+    def see(self, obstacles: list[Array]) -> None:
+        """The obstacles of this cycle, convex polygons (n, 2). When they moved onto the way, the next target comes from a new
+        plan; while the way is clear of them it is kept, as a search takes several control cycles."""
+        if not _moved(self._planner.obstacles, obstacles, self._parameters.obstacle_shift):
+            return
+        self._planner.set_obstacles(obstacles)
+        if self._guide is None or not self._planner.clear_of_obstacles(self._guide.rest()):
+            self.restart()
+
+    def target(self, pose: ArrayLike) -> Array | None:
+        """The pose to drive to from `pose`; None when there is no way (that the search knows of)."""
+        if self._guide is not None and self._guide.away(pose) > self._parameters.replan_distance:
+            self.restart()
+        if not self._tried:
+            path, self._tried = self._planner.path(pose), True
+            self._guide = None if path is None else Guide(path, self._parameters)
+        if self._guide is None:
+            return None
+        return self._farthest(self._guide, np.asarray(pose, dtype=float))
+
+    def _farthest(self, guide: Guide, pose: Array) -> Array:
+        """The farthest target on the way that the chair can drive straight to: behind the corner of an obstacle, the controller
+        would not find its way round."""
+        if not self._planner.obstacles:
+            return guide.target(pose, math.inf)
+        for share in _LOOKAHEADS:
+            target = guide.target(pose, share * self._parameters.lookahead)
+            if self._planner.clear_of_obstacles(_between(pose, target)):
+                break
+        return target
+
+    def blocked(self) -> bool:
+        """Whether obstacles leave no way into the bay, wherever the chair is."""
+        return not self._planner.open
+
+    def straight_way_clear(self, pose: ArrayLike) -> bool:
+        """Whether obstacles leave the straight way from `pose` to the bay, and on to the dock, free."""
+        if not self._planner.obstacles:
+            return True
+        share = np.linspace(0.0, 1.0, _LANE_STEPS)[:, None]
+        pose = np.asarray(pose, dtype=float)
+        gate = np.array([max(self._gate_x, pose[0]), 0.0, 0.0])
+        return self._planner.clear_of_obstacles(np.vstack([pose + share * (gate - pose), (1.0 - share) * gate]))
+
+
+def _between(start: Array, end: Array) -> Array:
+    """Poses (n, 3) of a straight drive from one pose to the other, turning evenly."""
+    step = end - start
+    step[2] = wrap_angle(float(step[2]))
+    return start + np.linspace(0.0, 1.0, _LANE_STEPS)[:, None] * step
+
+
+def _moved(before: list[Array], now: list[Array], shift: float) -> bool:
+    """Whether any outline is new, gone, or has a corner that moved by more than `shift` [m]."""
+    if len(before) != len(now):
+        return True
+    return any(len(a) != len(b) or _shift(a, b) > shift for a, b in zip(before, now, strict=True))
+
+
+def _shift(before: Array, now: Array) -> float:
+    """Largest change of a coordinate [m], whichever corner the outlines begin with: noise decides that for upright boxes."""
+    return min(float(np.max(np.abs(np.roll(before, i, axis=0) - now))) for i in range(len(before)))

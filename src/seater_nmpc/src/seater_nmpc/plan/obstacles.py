@@ -1,0 +1,60 @@
+"""What others say stands in the way: checked once, held in odom or with the dock, given to the controller every cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seater_common.se2 import inverse, transform_points
+from seater_nmpc.ocp.separation import convex_outline
+
+Array = NDArray[np.float64]
+
+
+def usable_outlines(polygons: Iterable[ArrayLike]) -> tuple[list[Array], list[str]]:
+    """The convex hulls (n, 2) of those polygons that have one, and a complaint (index: reason) about each of the others."""
+    outlines, complaints = [], []
+    for index, polygon in enumerate(polygons):
+        try:
+            outlines.append(convex_outline(polygon))
+        except ValueError as error:
+            complaints.append(f"polygon {index}: {error}")
+    return outlines, complaints
+
+
+class ObstacleMemory:
+    """The obstacles that count now. In odom they stand still while the dock's estimate moves; bound to the dock, with it."""
+
+    def __init__(self, timeout: float) -> None:
+        """`timeout` [s]: how long they hold without news; 0: for ever."""
+        self._timeout = timeout
+        self._outlines: list[Array] = []
+        self._bound_to_dock = False
+        self._since: float | None = None
+
+    def replace(self, outlines: list[Array], *, bound_to_dock: bool) -> None:
+        """Forget those before; outlines (n, 2) [m] in the dock's frame (`bound_to_dock`) or in odom."""
+        self._outlines, self._bound_to_dock, self._since = list(outlines), bound_to_dock, None
+
+    def forget_stale(self, now: float) -> bool:
+        """Drop what is older than the time-out at message time `now` [s]; true when something was dropped.
+
+        The age counts from the first call after `replace`, and anew when time goes backward.
+        """
+        if self._since is None or now < self._since:
+            self._since = now
+        if self._timeout <= 0.0 or now - self._since <= self._timeout or not self._outlines:
+            return False
+        self._outlines = []
+        return True
+
+    def in_dock(self, T_odom_dock: ArrayLike | None) -> list[Array]:
+        """Outlines (n, 2) in the dock's frame; none of those in odom while the dock is not known (None)."""
+        if self._bound_to_dock:
+            return self._outlines
+        if T_odom_dock is None:
+            return []
+        T_dock_odom = inverse(T_odom_dock)
+        return [transform_points(T_dock_odom, outline) for outline in self._outlines]

@@ -1,0 +1,1 @@
+"""Docking and undocking from the goal to the result."""

@@ -1,0 +1,38 @@
+"""How long a goal and each of its phases may take, in message time [s]."""
+
+from __future__ import annotations
+
+from seater_nmpc.parameters import Timeouts
+from seater_nmpc.sequence.results import Phase, ResultCode
+
+
+class Deadlines:
+    """Of one goal."""
+
+    def __init__(self, timeouts: Timeouts, start: float, timeout: float) -> None:
+        """`timeout`: of the whole goal."""
+        self._start, self._timeout, self._entered = start, timeout, start
+        self._limits = {
+            Phase.WAITING_FOR_DOCK: (timeouts.detect, ResultCode.FAILED_TO_DETECT_DOCK),
+            Phase.APPROACH: (timeouts.approach, ResultCode.FAILED_TO_STAGE),
+            Phase.FINAL: (timeouts.final, ResultCode.TIMEOUT),
+            Phase.STOPPING: (timeouts.stopping, ResultCode.TIMEOUT),
+            Phase.RETRY: (timeouts.retry, ResultCode.FAILED_TO_STAGE),
+        }
+
+    def enter(self, now: float) -> None:
+        """A phase begins."""
+        self._entered = now
+
+    def elapsed(self, now: float) -> float:
+        """Since the goal began."""
+        return now - self._start
+
+    def missed(self, now: float, phase: Phase) -> tuple[ResultCode, str] | None:
+        """What the goal ends with because it took too long; None: there is time left."""
+        if now - self._start > self._timeout:
+            return ResultCode.TIMEOUT, f"not finished within {self._timeout:.1f} s"
+        limit, code = self._limits.get(phase, (float("inf"), ResultCode.TIMEOUT))
+        if now - self._entered > limit:
+            return code, f"{phase.name} took longer than {limit:.1f} s"
+        return None

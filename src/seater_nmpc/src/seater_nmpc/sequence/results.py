@@ -1,0 +1,84 @@
+"""Phases and result codes of the docking sequence; the numbers of seater_msgs/Dock.action."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+from seater_nmpc.control.command import Command
+
+
+class Phase(IntEnum):
+    """Where the sequence is."""
+
+    WAITING_FOR_DOCK = 0
+    APPROACH = 1
+    FINAL = 2
+    STOPPING = 3
+    VERIFY = 4
+    RETRY = 5
+    UNDOCKING = 6
+
+
+class ResultCode(IntEnum):
+    """How a goal ended."""
+
+    SUCCESS = 0
+    ALREADY_DOCKED = 1
+    CANCELED = 2
+    DOCK_NOT_IN_DB = 901
+    DOCK_NOT_VALID = 902
+    FAILED_TO_STAGE = 903
+    FAILED_TO_DETECT_DOCK = 904
+    FAILED_TO_CONTROL = 905
+    FAILED_TO_CHARGE = 906
+    TIMEOUT = 907
+    MARKER_LOST = 908
+    ODOMETRY_LOST = 909
+    NOT_WITHIN_TOLERANCE = 910
+    BUSY = 911
+    UNKNOWN = 999
+
+
+SUCCESSFUL = (ResultCode.SUCCESS, ResultCode.ALREADY_DOCKED)
+
+
+@dataclass(frozen=True)
+class Result:
+    """The end of a goal. Errors: base_link in the dock's frame, as estimated; zero when the dock is unknown."""
+
+    code: ResultCode
+    text: str
+    retries: int = 0
+    duration: float = 0.0  # [s]
+    contact: bool = False
+    longitudinal_error: float = 0.0  # [m]
+    lateral_error: float = 0.0  # [m]
+    heading_error: float = 0.0  # [rad]
+
+    @property
+    def success(self) -> bool:
+        """Whether the chair is docked (or undocked, for that goal)."""
+        return self.code in SUCCESSFUL
+
+
+@dataclass(frozen=True)
+class Step:
+    """What one update of the sequence asks for and reports."""
+
+    command: Command  # v and omega to send; zero in the last step of every goal
+    phase: Phase
+    elapsed: float  # since the goal began [s]
+    result: Result | None = None  # set in the last step of a goal
+    distance: float = (
+        -1.0
+    )  # from base_link to the docking pose (undocking: still to go) [m]; -1 while the dock is unknown
+    lateral_error: float = 0.0  # [m]
+    heading_error: float = 0.0  # [rad]
+    measurement_age: float = -1.0  # [s]; -1 when never seen
+    retries: int = 0
+
+    @property
+    def done(self) -> bool:
+        """Whether the goal has ended with this step."""
+        return self.result is not None
