@@ -28,8 +28,8 @@ EVALUATIONS = (
     "docking_table", "solver_benchmark", "controller_campaign", "perception_accuracy", "perception_range",
     "perception_shadows", "perception_speed",
 )  # fmt: skip
-# Send pictures at the pace of the clock on the wall, and wait a while for what must not come.
-PACED = ("bad_pictures", "camera_moves")
+# Send images at the pace of the clock on the wall, and wait a while for what must not come.
+PACED = ("bad_images", "camera_moves")
 # Bars that the data cannot decide (docs/perception_evaluation.md says why): missed, they count as skipped, not as failed.
 UNDECIDABLE = {"visp-images-data: worst position error / best of OpenCV's refinements"}
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The nodelet follows the dock with TF's odometry, does without it and never waits for it; both poses go out while a
-picture has not decided."""
+"""The nodelet follows the dock with TF's odometry, does without it and never waits for it; both poses go out while an
+image has not decided."""
 
 import math
 import sys
@@ -25,7 +25,7 @@ OPTICAL = "camera_color_optical_frame"
 SIZE, FINE = 0.1, 4  # [m] side of marker 0; samples across a pixel
 
 
-def picture(distance: float, bearing: float, yaw: float = 0.0) -> np.ndarray:
+def image(distance: float, bearing: float, yaw: float = 0.0) -> np.ndarray:
     """Marker 0 at the camera's height, `distance` [m] ahead and turned by `yaw` [rad], seen by a camera that is turned left by
     `bearing` [rad]."""
     dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
@@ -66,18 +66,18 @@ class CameraMoves(unittest.TestCase):
         rotation = optical.transform.rotation
         rotation.x, rotation.y, rotation.z, rotation.w = -0.5, 0.5, -0.5, 0.5
         self.mount.sendTransform(optical)
-        self.pictures = rospy.Publisher("camera/color/image_raw", Image, queue_size=10)
+        self.images = rospy.Publisher("camera/color/image_raw", Image, queue_size=10)
         self.infos = rospy.Publisher("camera/color/camera_info", CameraInfo, queue_size=10)
         rospy.Subscriber("/diagnostics", DiagnosticArray, self.on_diagnostics, queue_size=10)
         self.subscriber = rospy.Subscriber("detections", MarkerDetectionArray, self.on_detections, queue_size=10)
         end = time.monotonic() + 20.0
-        while not (self.pictures.get_num_connections() and self.infos.get_num_connections()):
+        while not (self.images.get_num_connections() and self.infos.get_num_connections()):
             self.assertLess(time.monotonic(), end, "the detector does not listen")
             time.sleep(0.02)
         time.sleep(0.5)
 
     def tearDown(self) -> None:
-        for topic in (self.subscriber, self.pictures, self.infos):
+        for topic in (self.subscriber, self.images, self.infos):
             topic.unregister()
         time.sleep(0.5)
 
@@ -100,7 +100,7 @@ class CameraMoves(unittest.TestCase):
         return int(self.values[key])
 
     def find(self, image: np.ndarray, stamp: rospy.Time) -> MarkerDetectionArray:
-        """The answer to a picture; at most a second may pass."""
+        """The answer to an image; at most a second may pass."""
         message = Image(height=HEIGHT, width=WIDTH, encoding="mono8", step=WIDTH, data=image.tobytes())
         info = CameraInfo(width=WIDTH, height=HEIGHT, distortion_model="plumb_bob", D=[0.0] * 5)
         info.K = [F, 0.0, CX, 0.0, F, CY, 0.0, 0.0, 1.0]
@@ -109,7 +109,7 @@ class CameraMoves(unittest.TestCase):
         for part in (message, info):
             part.header.stamp, part.header.frame_id = stamp, OPTICAL
         self.infos.publish(info)
-        self.pictures.publish(message)
+        self.images.publish(message)
         with self.arrived:
             self.assertTrue(self.arrived.wait_for(lambda: bool(self.received), timeout=5.0), "no answer")
             answer = self.received.pop()
@@ -118,8 +118,8 @@ class CameraMoves(unittest.TestCase):
         return answer
 
     def turn(self, start: float, with_odometry: bool) -> int:
-        """Two pictures; between them the chair turns by 0.25 rad (160 px, far beyond the track's margin). How many searches
-        of the whole picture that took."""
+        """Two images; between them the chair turns by 0.25 rad (160 px, far beyond the track's margin). How many searches
+        of the whole image that took."""
         before = self.counted("full searches since start")
         for t, heading in ((start, 0.0), (start + 0.5, 0.25)):
             if with_odometry:
@@ -127,20 +127,20 @@ class CameraMoves(unittest.TestCase):
                     stamp = rospy.Time.from_sec(t + around)
                     self.odometry.sendTransform(transform("odom", "base_link", stamp, heading))
                 time.sleep(0.5)
-            answer = self.find(picture(1.2, heading), rospy.Time.from_sec(t))
+            answer = self.find(image(1.2, heading), rospy.Time.from_sec(t))
             self.assertEqual([m.id for m in answer.markers], [0])
             self.assertAlmostEqual(answer.markers[0].pose.pose.position.x, 1.2 * math.sin(heading), delta=0.01)
         return self.counted("full searches since start") - before
 
     def test_odometry_tells_where_to_look(self) -> None:
-        self.assertEqual(self.turn(1000.0, with_odometry=True), 1, "the first picture only")
+        self.assertEqual(self.turn(1000.0, with_odometry=True), 1, "the first image only")
 
-    def test_without_odometry_the_whole_picture_is_searched(self) -> None:
+    def test_without_odometry_the_whole_image_is_searched(self) -> None:
         self.assertEqual(self.turn(2000.0, with_odometry=False), 2)
 
-    def test_both_poses_go_out_while_the_picture_has_not_decided(self) -> None:
+    def test_both_poses_go_out_while_the_image_has_not_decided(self) -> None:
         # At the camera's height, +yaw and -yaw look the same from afar, and both are upright.
-        answer = self.find(picture(2.8, 0.0, 0.05), rospy.Time.from_sec(3000.0))
+        answer = self.find(image(2.8, 0.0, 0.05), rospy.Time.from_sec(3000.0))
         weights = [h.weight for h in answer.dock]
         self.assertEqual(len(weights), 2)
         self.assertAlmostEqual(sum(weights), 1.0)

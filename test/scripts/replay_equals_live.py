@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A docking is recorded with its pictures; replaying the bag gives the poses of the live run, at any rate."""
+"""A docking is recorded with its images; replaying the bag gives the poses of the live run, at any rate."""
 
 import csv
 import json
@@ -15,7 +15,7 @@ import rostest
 
 from seater_eval.ros.launch_process import LaunchProcess
 
-# The pictures are the same bytes and the detector keeps no state between pictures, so the poses are equal up to the
+# The images are the same bytes and the detector keeps no state between images, so the poses are equal up to the
 # rounding of the CSV's way through odometry.
 LARGEST_DIFFERENCE = 1e-9
 
@@ -64,24 +64,24 @@ class ReplayEqualsLive(unittest.TestCase):
         return found
 
     def replay(self, bag: Path, results: Path, rate: float) -> dict[str, list[str]]:
-        """By stamp: the row of pictures.csv without its computing time."""
+        """By stamp: the row of images.csv without its computing time."""
         arguments = {"bag": bag, "results": results, "rate": rate}
         with LaunchProcess("seater_bringup", "replay.launch", arguments, results / "log" / "launch.log") as launch:
             ended = launch.wait(300.0)
         self.assertTrue(ended and (results / "summary.json").exists(), launch.last_lines())
-        with (results / "pictures.csv").open() as file:
+        with (results / "images.csv").open() as file:
             rows = list(csv.DictReader(file))
         return {f"{float(r['stamp']):.6f}": [v for k, v in r.items() if k != "processing_ms"] for r in rows}
 
     def assert_same_detections(self, live: dict[str, tuple[int, float]], replayed: dict[str, list[str]]) -> None:
-        # The recorder may have started a picture late or ended one early; all that both have must agree.
+        # The recorder may have started an image late or ended one early; all that both have must agree.
         common = sorted(set(live) & set(replayed))
         self.assertGreaterEqual(len(common), len(live) - 3)
         for stamp in common:
             markers, sd = live[stamp]
             row = replayed[stamp]
-            self.assertEqual(int(row[1]), markers, f"picture {stamp}")
-            self.assertAlmostEqual(float(row[6] or 0.0), sd, delta=LARGEST_DIFFERENCE, msg=f"picture {stamp}")
+            self.assertEqual(int(row[1]), markers, f"image {stamp}")
+            self.assertAlmostEqual(float(row[6] or 0.0), sd, delta=LARGEST_DIFFERENCE, msg=f"image {stamp}")
 
     def assert_shadow_controller_ran(self, results: Path) -> None:
         summary = json.loads((results / "summary.json").read_text())

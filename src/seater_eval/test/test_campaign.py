@@ -185,7 +185,7 @@ def test_slow_or_too_few_runs_fail() -> None:
     assert all_met(campaign_bars(unseen, False))  # only runs that started in view count
 
 
-def test_picture_of_the_campaign(tmp_path: Path, setup: Setup) -> None:
+def test_image_of_the_campaign(tmp_path: Path, setup: Setup) -> None:
     runs = [synthetic_run(), synthetic_run(docked=False, docking_time_s=None, minimum_time_s=None)]
     data = {"summary": summarize_runs(runs), "runs": runs, "conditions": {"obstacles": "none", "solver": "x"}}
     draw_campaign(data, setup.dock, setup.chair, tmp_path / "c.png")

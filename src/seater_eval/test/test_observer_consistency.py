@@ -1,6 +1,6 @@
 """Whether the observer's covariance is that of its errors: 200 approaches, normalised estimation error squared (NEES).
 
-Each run drives a smooth way to the dock, with the drifting odometry of config/simulator.yaml and with pictures as
+Each run drives a smooth way to the dock, with the drifting odometry of config/simulator.yaml and with images as
 pose_noise makes them, late and at times out of order, some runs with a stretch without any. The error is that of the dock
 in odom given the odometry's pose: it is what the controller gets, the dock as seen from the chair. If the filter is
 consistent, the sum of e' P^-1 e over the runs is chi-square with 3 * RUNS degrees of freedom at every time (Bar-Shalom, Li and
@@ -41,11 +41,11 @@ RESTING = len(SHARES) + 1  # the later one of those at rest
 
 @dataclass(frozen=True)
 class Approach:
-    """One run, prepared: true poses and motions at every step, and when pictures are taken and arrive."""
+    """One run, prepared: true poses and motions at every step, and when images are taken and arrive."""
 
     poses: np.ndarray  # (n, 3) base_link in the dock's frame
     motions: np.ndarray  # (n - 1, 2) way and turn of each step
-    pictures: list[tuple[float, float]]  # (arrival, stamp), in the order of arrival
+    images: list[tuple[float, float]]  # (arrival, stamp), in the order of arrival
     slices: np.ndarray  # indices into poses
 
 
@@ -81,8 +81,8 @@ def draw_approach(setup: Setup, sensor: DockSensor, rng: np.random.Generator) ->
     stamps = stamps[(stamps < blind_from) | (stamps > blind_to)]
     latency = setup.simulator.camera.latency + 0.15 * (rng.random(len(stamps)) < 0.1)  # the one or other is overtaken
     slices = [*(STAND + driving * SHARES), STAND + driving + 0.4, STAND + driving + 0.76, blind_to, blind_to + 0.2]
-    pictures = sorted(zip((stamps + latency).tolist(), stamps.tolist(), strict=True))
-    return Approach(poses, motions, pictures, np.round(np.array(slices) / STEP).astype(int))
+    images = sorted(zip((stamps + latency).tolist(), stamps.tolist(), strict=True))
+    return Approach(poses, motions, images, np.round(np.array(slices) / STEP).astype(int))
 
 
 def nees(setup: Setup, sensor: DockSensor, parameters: ObserverParameters, seed: int, bias: bool) -> np.ndarray:
@@ -93,8 +93,8 @@ def nees(setup: Setup, sensor: DockSensor, parameters: ObserverParameters, seed:
     T_dock_seen = rng.standard_normal(3) * sd if bias else np.zeros(3)
     wheels = Odometry(setup.simulator.odometry, seed)
     observer = DockObserver(setup.chair.camera, parameters)
-    pictures, values = iter(run.pictures), {}
-    arrival, stamp = next(pictures)
+    images, values = iter(run.images), {}
+    arrival, stamp = next(images)
     for k, (way, turn) in enumerate(run.motions, start=1):
         now, period = k * STEP, round(STEP * NANOSECONDS)
         sample = wheels.update(way, turn, period, k * period)
@@ -103,7 +103,7 @@ def nees(setup: Setup, sensor: DockSensor, parameters: ObserverParameters, seed:
             before = math.floor(stamp / STEP)
             at = arc_step(run.poses[before], *run.motions[before], stamp / STEP - before)
             observer.add_detections(stamp, sensor.measure(compose(inverse(T_dock_seen), at), rng))
-            arrival, stamp = next(pictures, (math.inf, 0.0))
+            arrival, stamp = next(images, (math.inf, 0.0))
         if k in run.slices:
             estimate = observer.estimate(now)
             assert estimate is not None

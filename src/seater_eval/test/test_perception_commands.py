@@ -16,9 +16,9 @@ from seater_eval.perception.degraded_camera import load_degraded_camera
 from seater_eval.perception.negatives import KINDS, OTHER_IDS, negative
 from seater_eval.perception.peers import PEERS, dictionary_of, make_peer
 from seater_eval.perception.range import PAPER, range_bars
-from seater_eval.perception.render import Print, clean_picture, corners_of, exposed
+from seater_eval.perception.render import Print, clean_image, corners_of, exposed
 from seater_eval.perception.scenes import facing, normal_error, normalised_error_squared, pose_error, upright
-from seater_eval.perception.shadows import ShadowJob, shadow_bars, shadow_picture
+from seater_eval.perception.shadows import ShadowJob, shadow_bars, shadow_image
 from seater_eval.perception.speed import speed_bars
 from seater_eval.run.long_run import run_long
 from seater_eval.run.parallel import job_seed
@@ -45,13 +45,13 @@ def test_what_c_code_prints_goes_nowhere(capfd: pytest.CaptureFixture[str]) -> N
 def test_everyone_speaks_our_conventions(name: str) -> None:
     """Corners in order and within their known bias, the pose's position and its axes."""
     print_ = Print(dictionary_of(name), 5, 0.1, POSE)
-    picture = exposed(clean_picture([print_], CAMERA), 1.0, np.random.default_rng(1))
+    image = exposed(clean_image([print_], CAMERA), 1.0, np.random.default_rng(1))
     if name == "seater":
         parameters = subject.perception_parameters(CONFIG)
         detect = subject.as_peer(subject.make_detector(CAMERA, 0.1, parameters, prior=False))
     else:
         detect = make_peer(name, CAMERA.K, 0.1)
-    (seen,) = detect(picture)
+    (seen,) = detect(image)
     assert seen.id == 5
     off = seen.corners - corners_of(print_, CAMERA.K)
     assert np.abs(off).max() < (1.5 if name == "opencv_none" else 0.5)
@@ -61,12 +61,12 @@ def test_everyone_speaks_our_conventions(name: str) -> None:
     assert np.linalg.norm(error[3:]) < 0.2
 
 
-@pytest.mark.parametrize("picture", [100, 147, 152, 249])
-def test_small_frontal_marker_keeps_both_branches(picture: int) -> None:
+@pytest.mark.parametrize("image", [100, 147, 152, 249])
+def test_small_frontal_marker_keeps_both_branches(image: int) -> None:
     """The corners of these leave one pose, or the fit goes over to the other one: the true one still has to be there."""
-    random = np.random.default_rng(job_seed(777, picture))
+    random = np.random.default_rng(job_seed(777, image))
     pose = upright(2.84, 0.0, random)
-    shown = exposed(clean_picture([Print(subject.DICTIONARY, 0, 0.1, pose)], CAMERA), CAMERA.noise_sd, random)
+    shown = exposed(clean_image([Print(subject.DICTIONARY, 0, 0.1, pose)], CAMERA), CAMERA.noise_sd, random)
     detector = subject.make_detector(CAMERA, 0.1, subject.perception_parameters(CONFIG), prior=True)
     (marker,) = [m for m in detector.detect(shown).markers if m.id == 0]
     errors = [normalised_error_squared(pose_error(h.pose, pose), h.covariance) for h in marker.hypotheses]
@@ -124,7 +124,7 @@ def range_data(far: float, near: float, plain: float, false: int) -> dict:
             {"method": "seater", "size": size, "far": False, "limit_m": near * nearest},
             {"method": "opencv_none", "size": size, "far": True, "limit_m": plain * farthest},
         ]
-    seen = [{"picture": 3, "kind": "noise", "method": "seater"}] * false
+    seen = [{"image": 3, "kind": "noise", "method": "seater"}] * false
     found = {"negatives": {"noise": 10, OTHER_IDS: 2}, "false_detections": seen}
     return {"quick": False, "limits": limits, **found}
 
@@ -136,14 +136,12 @@ def test_range_bars() -> None:
     assert all(bar.met for bar in range_bars(range_data(1.5, 1.0, 0.8, 0) | {"quick": True}))
     nothing = range_data(1.5, 1.0, 0.95, 0) | {"limits": []}
     assert not any(bar.met for bar in range_bars(nothing)[:-2])
-    other = range_data(1.5, 1.0, 0.95, 0) | {
-        "false_detections": [{"picture": 3, "kind": OTHER_IDS, "method": "seater"}]
-    }
+    other = range_data(1.5, 1.0, 0.95, 0) | {"false_detections": [{"image": 3, "kind": OTHER_IDS, "method": "seater"}]}
     assert [bar.met for bar in range_bars(other)][-2:] == [True, False]
 
 
 def speed_row(method: str, ms: float) -> dict:
-    return {"method": method, "width": 1280, "height": 720, "markers": 1, "found": 1.0, "pictures": 9} | {
+    return {"method": method, "width": 1280, "height": 720, "markers": 1, "found": 1.0, "images": 9} | {
         "cpu_ms": {"median": ms, "p95": 2 * ms}
     }
 
@@ -221,17 +219,17 @@ def test_errors_are_pooled_over_the_angles_of_a_distance() -> None:
 
 
 def test_half_of_the_marker_lies_in_the_shadow() -> None:
-    (picture, pose), (lit, _) = (shadow_picture(ShadowJob(str(CONFIG), 0.6, light, 1), 3) for light in (0.5, 1.0))
+    (image, pose), (lit, _) = (shadow_image(ShadowJob(str(CONFIG), 0.6, light, 1), 3) for light in (0.5, 1.0))
     corners = corners_of(Print(subject.DICTIONARY, 0, 0.1, pose), CAMERA.K)
     (left, top), (right, bottom) = np.floor(corners.min(axis=0)).astype(int), np.ceil(corners.max(axis=0)).astype(int)
-    ratio = picture[top:bottom, left:right].astype(float) / np.maximum(1, lit[top:bottom, left:right])
+    ratio = image[top:bottom, left:right].astype(float) / np.maximum(1, lit[top:bottom, left:right])
     assert 0.4 < np.mean(ratio < 0.75) < 0.6
     assert np.median(ratio[ratio < 0.75]) == pytest.approx(0.5, abs=0.05)
 
 
 def test_shadow_bars() -> None:
     def data(**changes: object) -> dict:
-        row = {"light": 0.5, "pictures": 24, "found": 24, "found_opencv_default": 9, "normalised_error_squared": 2.0}
+        row = {"light": 0.5, "images": 24, "found": 24, "found_opencv_default": 9, "normalised_error_squared": 2.0}
         strong = row | {"light": 0.2, "found": 0, "found_opencv_default": 0, "normalised_error_squared": None}
         return {"rows": [row | changes, strong]}
 

@@ -11,7 +11,7 @@ import pytest
 from seater_common.params import ParameterError
 from seater_eval.perception.bound import cramer_rao
 from seater_eval.perception.degraded_camera import DegradedCamera, load_degraded_camera
-from seater_eval.perception.render import Print, box_of, clean_picture, corners_of, exposed, moved, white_share
+from seater_eval.perception.render import Print, box_of, clean_image, corners_of, exposed, moved, white_share
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 CAMERA = DegradedCamera(640, 480, 600.0, 1.0, 3.0, 40.0, 215.0, 150.0, 1.0)
@@ -66,7 +66,7 @@ def test_motion_widens_along_its_path_only() -> None:
     moving = white_share(print_, CAMERA, box, motion=(6.0, 0.0))
     still = white_share(print_, CAMERA, box)
     row, column = round(corner[1] - box[1]) + 20, round(corner[0] - box[0]) + 20
-    width = [1.0 / np.abs(np.diff(picture[row, :column])).max() for picture in (still, moving)]
+    width = [1.0 / np.abs(np.diff(image[row, :column])).max() for image in (still, moving)]
     assert width[1] == pytest.approx(6.0, rel=0.05)
     assert width[0] < 3.0
     assert np.abs(moving[: row + 5, column] - still[: row + 5, column]).max() < 0.01
@@ -74,19 +74,19 @@ def test_motion_widens_along_its_path_only() -> None:
 
 def test_levels_noise_and_wall() -> None:
     print_ = Print("DICT_4X4_50", 7, 0.1, facing(0.0, 0.0, 0.5))
-    clean = clean_picture([print_], CAMERA)
+    clean = clean_image([print_], CAMERA)
     assert clean.shape == (480, 640)
     assert clean[0, 0] == 150.0
     corner = corners_of(print_, CAMERA.K)[0]
     assert clean[round(corner[1]) + 10, round(corner[0]) + 10] == pytest.approx(40.0, abs=0.1)
     assert clean[round(corner[1]) - 10, round(corner[0])] == pytest.approx(215.0, abs=0.1)
-    picture = exposed(clean, 3.0, np.random.default_rng(1))
-    assert picture.dtype == np.uint8
-    assert float(np.std(picture[:50, :50])) == pytest.approx(math.hypot(3.0, math.sqrt(1 / 12)), rel=0.05)
+    image = exposed(clean, 3.0, np.random.default_rng(1))
+    assert image.dtype == np.uint8
+    assert float(np.std(image[:50, :50])) == pytest.approx(math.hypot(3.0, math.sqrt(1 / 12)), rel=0.05)
 
 
 def test_bound_is_the_spread_of_least_squares() -> None:
-    """Maximum likelihood, one linear step from the truth, on 200 noisy pictures: its covariance is the bound's."""
+    """Maximum likelihood, one linear step from the truth, on 200 noisy images: its covariance is the bound's."""
     print_ = Print("DICT_4X4_50", 7, 0.1, facing(0.02, 0.01, 0.8, 0.4, 0.2))
     camera = replace(CAMERA, noise_sd=3.0)
     C = cramer_rao(print_, camera, blur=0, slope=False)
@@ -102,9 +102,9 @@ def test_bound_is_the_spread_of_least_squares() -> None:
     middle = grey(np.zeros(6))
     J = np.column_stack([*J, np.ones_like(middle), middle])
     random = np.random.default_rng(3)
-    pictures = np.rint(middle[:, None] + 3.0 * random.standard_normal((len(middle), 200)))
+    images = np.rint(middle[:, None] + 3.0 * random.standard_normal((len(middle), 200)))
     scale = np.linalg.norm(J, axis=0)
-    errors = np.linalg.lstsq(J / scale, pictures - middle[:, None], rcond=None)[0][:6] / scale[:6, None]
+    errors = np.linalg.lstsq(J / scale, images - middle[:, None], rcond=None)[0][:6] / scale[:6, None]
     nees = np.einsum("in,ij,jn->n", errors, np.linalg.inv(C), errors)
     assert nees.mean() == pytest.approx(6.0, rel=0.12)  # four standard deviations of the mean
     assert np.diag(C) == pytest.approx(errors.var(axis=1), rel=0.45)

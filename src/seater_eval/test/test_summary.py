@@ -22,13 +22,13 @@ def straight_run(final=(0.002, -0.003, 0.2 * DEG), estimate_offset=(0.0, 0.0, 0.
     speed = np.where(time < 109.0, 2.0 / 9.0, 0.0)
     odom = np.array([compose(T_ODOM_DOCK, pose) for pose in poses])
     dock = compose(T_ODOM_DOCK, estimate_offset)
-    pictures = np.column_stack([time, np.ones_like(time), np.arange(201) >= 20, np.full(201, 0.010)])
+    images = np.column_stack([time, np.ones_like(time), np.arange(201) >= 20, np.full(201, 0.010)])
     control = np.column_stack([time, np.full(201, 0.005), np.full(201, 9), np.zeros(201), speed, np.zeros(201)])
     return Recording(
         truth=np.column_stack([time, poses, speed, np.zeros_like(time)]),
         odom=np.column_stack([time, odom, speed, np.zeros_like(time)]),
         dock_in_odom=np.column_stack([time, np.tile(dock, (201, 1))]),
-        pictures=pictures,
+        images=images,
         control=control,
         commands=np.column_stack([time, speed, np.zeros_like(time)]),
         phases=[(100.0, "APPROACH"), (105.0, "FINAL"), (109.0, "VERIFY")],
@@ -106,7 +106,7 @@ def test_pose_at_interpolates_across_the_wrap() -> None:
     assert abs(heading) == pytest.approx(math.pi)
 
 
-def test_the_picture_is_drawn(tmp_path) -> None:
+def test_the_image_is_drawn(tmp_path) -> None:
     run = straight_run()
     draw_docking(run, summarize(run, Dock(), Chair()), Dock(), Chair(), tmp_path / "trajectory.png")
     assert (tmp_path / "trajectory.png").stat().st_size > 20_000

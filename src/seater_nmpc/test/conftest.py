@@ -1,4 +1,4 @@
-"""A perfect unicycle with perfect or noisy pictures: what the tests close the loop with, without a ROS master."""
+"""A perfect unicycle with perfect or noisy images: what the tests close the loop with, without a ROS master."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from seater_nmpc.sequence.results import Step  # noqa: E402
 from seater_nmpc.sequence.vehicle import Vehicle  # noqa: E402
 
 T_ODOM_DOCK = np.array([1.0, 2.0, 0.7])
-NOISE = (0.002, 0.003)  # standard deviations of a picture's pose [m, rad]
+NOISE = (0.002, 0.003)  # standard deviations of an image's pose [m, rad]
 
 
 def observation(
@@ -60,7 +60,7 @@ class World:
     noise: np.random.Generator = field(default_factory=lambda: np.random.default_rng(1))
 
     def tick(self) -> None:
-        """10 ms: drive, odometry, a picture every 30 ms."""
+        """10 ms: drive, odometry, an image every 30 ms."""
         self.now = round(self.now + 0.01, 6)
         if self.obeys and self.commands:
             self.v, self.omega = self.commands[-1].v, self.commands[-1].omega

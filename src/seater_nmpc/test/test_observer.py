@@ -61,7 +61,7 @@ def test_no_first_estimate_while_moving_or_inconsistent() -> None:
         assert observer.add_detections(0.05 * k + 0.1, [observation(CHAIR, shifted)]) is Outcome.ACQUIRING
 
 
-def test_a_late_picture_of_a_moving_chair_is_fused_where_it_was_taken() -> None:
+def test_a_late_image_of_a_moving_chair_is_fused_where_it_was_taken() -> None:
     """0.5 m/s and 0.5 rad/s, 150 ms late: fused at arrival it would be 75 mm off; at image time it is unbiased."""
     observer = acquired()
     track = drive(observer, np.array([-2.0, 0.0, 0.0]), 0.5, 0.5, 1.0, 1.2)
@@ -205,7 +205,7 @@ def test_error_is_as_large_as_the_covariance_says() -> None:
 
 
 def test_two_poses_that_both_agree_are_told_apart_by_all_weights_together() -> None:
-    """A flip that stays put while the chair stands: 0.6 to 0.4 in each picture, now and then the wrong one ahead."""
+    """A flip that stays put while the chair stands: 0.6 to 0.4 in each image, now and then the wrong one ahead."""
     observer = DockObserver(CHAIR.camera, ObserverParameters(acquire_odds=20.0))
     standing(observer, [-2.0, 0.0, 0.0], 0.0, 2.0)
     true, flip = inverse([-2.0, 0.0, 0.0]), inverse([-2.0, 0.0, 0.0]) + [0.0, 0.0, 0.4]

@@ -34,7 +34,7 @@ def moving(step: Step) -> bool:
     return abs(step.command.v) > 0.1
 
 
-def test_docks_from_an_offset_start_with_noisy_pictures(make_world) -> None:
+def test_docks_from_an_offset_start_with_noisy_images(make_world) -> None:
     """All phases in order, no retry, true error within the tolerance, and the blind bound is far from tripping."""
 
     def in_view(world: World) -> bool:
@@ -137,7 +137,7 @@ def test_a_clock_that_is_wrong_ends_the_goal(make_world, now: float) -> None:
     ended(world, world.sequence.update(now), ResultCode.ODOMETRY_LOST)
 
 
-def test_pictures_of_nan_never_move_the_chair(make_world) -> None:
+def test_images_of_nan_never_move_the_chair(make_world) -> None:
     world = start(make_world(CLOSE, seen=lambda w: False, timeouts={"detect": 1.0}))
     world.run(0.5)
     bad = observation(world.chair, inverse(world.truth))

@@ -14,15 +14,15 @@ namespace seater_python {
 
 namespace py = pybind11;
 
-/// The picture without a copy: (height, width) of uint8 or uint16, C-contiguous; TypeError otherwise. Valid as long as
+/// The image without a copy: (height, width) of uint8 or uint16, C-contiguous; TypeError otherwise. Valid as long as
 /// the array lives.
-inline cv::Mat picture(const py::array& array) {
+inline cv::Mat asMat(const py::array& array) {
   const bool bytes = array.dtype().is(py::dtype::of<std::uint8_t>());
   if (!bytes && !array.dtype().is(py::dtype::of<std::uint16_t>())) {
-    throw py::type_error("picture: dtype must be uint8 or uint16");
+    throw py::type_error("image: dtype must be uint8 or uint16");
   }
   if (array.ndim() != 2 || !(array.flags() & py::array::c_style)) {
-    throw py::type_error("picture: must be a C-contiguous array of shape (height, width)");
+    throw py::type_error("image: must be a C-contiguous array of shape (height, width)");
   }
   return {static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)), bytes ? CV_8UC1 : CV_16UC1,
           const_cast<void*>(array.data())};

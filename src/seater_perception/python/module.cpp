@@ -1,5 +1,5 @@
 // Python module seater_perception: the library that the nodelet runs, for evaluation and tools. Long calls let other
-// threads run. Poses are 4x4 matrices, pictures (height, width) arrays of uint8 or uint16, points (n, 2) or (n, 3).
+// threads run. Poses are 4x4 matrices, images (height, width) arrays of uint8 or uint16, points (n, 2) or (n, 3).
 
 #include "conversions.h"
 #include "seater_perception/dock_detector.h"
@@ -11,7 +11,7 @@ namespace sp = seater_perception;
 namespace py = pybind11;
 using namespace pybind11::literals;
 using seater_python::asDict;
-using seater_python::picture;
+using seater_python::asMat;
 using seater_python::yaml;
 
 namespace {
@@ -86,7 +86,7 @@ void bindResults(py::module_& m) {
 }
 
 void bindDetector(py::module_& m) {
-  py::class_<sp::DockDetector>(m, "DockDetector", "Picture in, markers and dock out. One per thread.")
+  py::class_<sp::DockDetector>(m, "DockDetector", "Image in, markers and dock out. One per thread.")
       .def(py::init([](const sp::CameraModel& camera, const sp::DockLayout& layout, const py::dict& parameters) {
              return std::make_unique<sp::DockDetector>(camera, layout, parametersOf(parameters), sp::CameraMount());
            }),
@@ -94,12 +94,12 @@ void bindDetector(py::module_& m) {
       .def(
           "detect",
           [](const sp::DockDetector& detector, const py::array& image) {
-            const cv::Mat grey = picture(image);
+            const cv::Mat grey = asMat(image);
             const py::gil_scoped_release release;
             return detector.detect(grey);
           },
           "image"_a);
-  py::class_<sp::DockTracker>(m, "DockTracker", "The same for a sequence of pictures.")
+  py::class_<sp::DockTracker>(m, "DockTracker", "The same for a sequence of images.")
       .def(py::init([](const sp::CameraModel& camera, const sp::DockLayout& layout, const py::dict& parameters) {
              return std::make_unique<sp::DockTracker>(camera, layout, parametersOf(parameters), sp::CameraMount());
            }),
@@ -107,7 +107,7 @@ void bindDetector(py::module_& m) {
       .def(
           "detect",
           [](sp::DockTracker& tracker, const py::array& image) {
-            const cv::Mat grey = picture(image);
+            const cv::Mat grey = asMat(image);
             const py::gil_scoped_release release;
             return tracker.detect(grey);
           },
@@ -143,7 +143,7 @@ void bindPhotometric(py::module_& m) {
           "refine",
           [](const sp::PhotometricRefiner& refiner, const py::array& image, const sp::CameraModel& camera,
              const std::vector<sp::PatternPlacement>& placements, const Eigen::Matrix4d& initial) {
-            const cv::Mat grey = picture(image);
+            const cv::Mat grey = asMat(image);
             const Eigen::Isometry3d seed = seater_python::pose(initial);
             const py::gil_scoped_release release;
             return refiner.refine(grey, camera, placements, seed);
@@ -154,10 +154,10 @@ void bindPhotometric(py::module_& m) {
 }  // namespace
 
 PYBIND11_MODULE(seater_perception, m) {
-  m.doc() = "Markers in camera pictures and the pose of the dock (docs/perception.md).";
+  m.doc() = "Markers in camera images and the pose of the dock (docs/perception.md).";
   py::register_exception<sp::ConfigurationError>(m, "ConfigurationError", PyExc_ValueError);
   py::register_exception<sp::CalibrationError>(m, "CalibrationError", PyExc_ValueError);
-  py::register_exception<sp::PictureError>(m, "PictureError", PyExc_ValueError);
+  py::register_exception<sp::ImageError>(m, "ImageError", PyExc_ValueError);
   bindConfiguration(m);
   bindResults(m);
   bindDetector(m);

@@ -1,5 +1,5 @@
-// What cameras do to a picture: resolution, lens distortion, exposure that changes, motion during the exposure.
-// Pictures are drawn by photometric_scene.h: lens and motion exactly, on a fine grid.
+// What cameras do to an image: resolution, lens distortion, exposure that changes, motion during the exposure.
+// Images are drawn by photometric_scene.h: lens and motion exactly, on a fine grid.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ Calibration cameraOf(const Resolution& r, const std::string& model) {
   return c;
 }
 
-/// One marker of the dock, `side` pixels wide, in a part of the picture where the lens is felt.
+/// One marker of the dock, `side` pixels wide, in a part of the image where the lens is felt.
 View viewOf(const Calibration& c, double side, const Vector2d& ray, double yaw) {
   View view;
   view.camera = c;
@@ -57,7 +57,7 @@ double asDistance(const View& view, double pixels) {
 }
 
 /// Worst error of the side [px] over paths along and across the rows and obliquely; infinite when one is not found. The
-/// picture before stands still; then the chair turns, so the track has to keep a marker that the search may lose.
+/// image before stands still; then the chair turns, so the track has to keep a marker that the search may lose.
 double worstWithMotion(const char* blur, double length, double side) {
   const Calibration c = scene::calibration();
   PerceptionParameters parameters;
@@ -85,21 +85,21 @@ TEST(Camera, AnyResolutionAndLensModel) {
       const Calibration c = cameraOf(r, model);
       DockTracker tracker = trackerOf(c);
       double worst = 0.0;
-      // From picture to picture it moves on by a tenth of its side, as before a driving chair.
+      // From image to image it moves on by a tenth of its side, as before a driving chair.
       for (int k = 0; k < 4; ++k) {
         const double side = 0.06 * r.width + 20.0;
         const Vector2d ray(-0.52 + 0.1 * side / c.K[0] * k, 0.27);
         const View view = viewOf(c, side, ray, 0.4);
-        const cv::Mat picture = photo_scene::withNoise(photo_scene::clean(view), 3.0, static_cast<unsigned>(k));
-        const DetectionResult result = tracker.detect(picture);
+        const cv::Mat image = photo_scene::withNoise(photo_scene::clean(view), 3.0, static_cast<unsigned>(k));
+        const DetectionResult result = tracker.detect(image);
         const double error = positionError(result, view.pose);
-        EXPECT_LT(error, asDistance(view, 0.1)) << r.width << " x " << r.height << ", " << model << ", picture " << k;
+        EXPECT_LT(error, asDistance(view, 0.1)) << r.width << " x " << r.height << ", " << model << ", image " << k;
         EXPECT_EQ(result.full_search, k == 0 || !PerceptionParameters().tracking.enabled);
         worst = std::max(worst, error / asDistance(view, 1.0));
         if (k > 0) continue;
         Calibration straight = c;
         straight.D.assign(c.D.size(), 0.0);
-        EXPECT_GT(positionError(trackerOf(straight).detect(picture), view.pose), asDistance(view, 0.3))
+        EXPECT_GT(positionError(trackerOf(straight).detect(image), view.pose), asDistance(view, 0.3))
             << "the lens is not felt here: the test is too easy";
       }
       std::printf("  %4d x %4d, %-19s worst error of the side %.3f px\n", r.width, r.height, model, worst);
@@ -107,18 +107,18 @@ TEST(Camera, AnyResolutionAndLensModel) {
   }
 }
 
-// Gain from a third to more than the sensor can take of white paper, jumping from picture to picture, and within each
-// picture falling by a third from top to bottom (rolling shutter under a lamp that changes).
-TEST(Camera, ExposureMayChangeFromPictureToPictureAndWithinOne) {
+// Gain from a third to more than the sensor can take of white paper, jumping from image to image, and within each
+// image falling by a third from top to bottom (rolling shutter under a lamp that changes).
+TEST(Camera, ExposureMayChangeFromImageToImageAndWithinOne) {
   const Calibration c = scene::calibration();
   DockTracker tracker = trackerOf(c);
   const double gains[] = {1.0, 0.35, 1.0, 1.25, 0.5, 0.8, 0.3, 1.3};
   int k = 0;
   for (const double gain : gains) {
     const View view = viewOf(c, 60.0, Vector2d(0.1 + 0.01 * k, -0.05), 0.35);
-    cv::Mat picture = photo_scene::clean(view);
-    for (int y = 0; y < picture.rows; ++y) picture.row(y) *= gain * (1.15 - 0.3 * y / picture.rows);
-    const DetectionResult result = tracker.detect(photo_scene::withNoise(picture, 2.0, static_cast<unsigned>(100 + k)));
+    cv::Mat image = photo_scene::clean(view);
+    for (int y = 0; y < image.rows; ++y) image.row(y) *= gain * (1.15 - 0.3 * y / image.rows);
+    const DetectionResult result = tracker.detect(photo_scene::withNoise(image, 2.0, static_cast<unsigned>(100 + k)));
     const double error = positionError(result, view.pose);
     std::printf("  gain %.2f: %.2f mm\n", gain, 1e3 * error);
     EXPECT_LT(error, asDistance(view, 0.1)) << "gain " << gain;

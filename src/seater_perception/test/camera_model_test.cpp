@@ -72,7 +72,7 @@ TEST(CameraModel, jacobianIsTheDerivative) {
   }
 }
 
-TEST(CameraModel, rectifiedPictureUsesPAndNoDistortion) {
+TEST(CameraModel, rectifiedImageUsesPAndNoDistortion) {
   Calibration c = distorted("plumb_bob");
   c.P = {500, 0, 600, 0, 0, 510, 300, 0, 0, 0, 1, 0};
   const auto pixel = CameraModel::rectified(c).project({0.1, 0.2, 1.0});
@@ -113,10 +113,10 @@ TEST(CameraModel, refusesWhatIsNoCalibration) {
   c = good;
   c.distortion_model = "equidistant";
   EXPECT_NE(complaint(c).find("equidistant"), std::string::npos);
-  EXPECT_EQ(complaint(c, true), "") << "a rectified picture has no distortion";
+  EXPECT_EQ(complaint(c, true), "") << "a rectified image has no distortion";
   c = good;
   c.width = 0;
-  EXPECT_NE(complaint(c).find("picture size"), std::string::npos);
+  EXPECT_NE(complaint(c).find("image size"), std::string::npos);
   c = good;
   c.P[0] = 0.0;
   EXPECT_NE(complaint(c, true).find("P[0]"), std::string::npos);

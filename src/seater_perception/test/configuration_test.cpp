@@ -110,7 +110,7 @@ TEST(CameraMount, upFollowsPitchAndRoll) {
   mount.pitch = 0.2;  // looks down: up leans towards the scene's far side, away from it
   EXPECT_LT((mount.upInOptical() - Eigen::Vector3d(0, -std::cos(0.2), -std::sin(0.2))).norm(), 1e-12);
   mount.pitch = 0.0;
-  mount.roll = 0.3;  // about the viewing axis, right side down: up leans to the picture's left
+  mount.roll = 0.3;  // about the viewing axis, right side down: up leans to the image's left
   EXPECT_LT((mount.upInOptical() - Eigen::Vector3d(-std::sin(0.3), -std::cos(0.3), 0)).norm(), 1e-12);
 }
 
@@ -146,13 +146,13 @@ TEST(DockLayout, strictOnItsOwnKeysOnly) {
   expectParts(complaint([&] { loadDockLayout(node, "~dock"); }), {"~dock/markers[2]/id: is 50", "from 0 to 49"});
 }
 
-TEST(Pictures, badOnesAreRefusedWithAReason) {
+TEST(Images, badOnesAreRefusedWithAReason) {
   const DockDetector detector(CameraModel::raw(scene::calibration()), scene::defaultDock(), PerceptionParameters(),
                               CameraMount());
-  const auto reason = [&](const cv::Mat& picture) -> std::string {
+  const auto reason = [&](const cv::Mat& image) -> std::string {
     try {
-      detector.detect(picture);
-    } catch (const PictureError& error) {
+      detector.detect(image);
+    } catch (const ImageError& error) {
       return error.what();
     }
     return "";

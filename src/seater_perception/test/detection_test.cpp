@@ -1,4 +1,4 @@
-// Pictures that the test draws itself, through the whole library.
+// Images that the test draws itself, through the whole library.
 
 #include <gtest/gtest.h>
 
@@ -23,13 +23,13 @@ struct Statistics {
   Eigen::Vector2d mean() const { return sum / corners; }
 };
 
-/// Draws `pictures` pictures of one marker at random places and turns, at this distance, and compares corners and
+/// Draws `images` images of one marker at random places and turns, at this distance, and compares corners and
 /// range.
-Statistics measure(const Calibration& c, double distance, double yaw, int pictures, const scene::Look& look,
+Statistics measure(const Calibration& c, double distance, double yaw, int images, const scene::Look& look,
                    const PerceptionParameters& parameters = {}) {
   const DockDetector detector(CameraModel::raw(c), layoutOfEqualMarkers("DICT_4X4_50", 0.1), parameters, CameraMount());
   Statistics result;
-  for (int k = 0; k < pictures; ++k) {
+  for (int k = 0; k < images; ++k) {
     std::mt19937 random(static_cast<unsigned>(k));
     std::uniform_real_distribution<double> u(-1.0, 1.0);
     const Eigen::Vector3d place(0.3 * distance * u(random), 0.15 * distance * u(random), distance);
@@ -54,7 +54,7 @@ Statistics measure(const Calibration& c, double distance, double yaw, int pictur
   std::printf(
       "  %.2f m (%3.0f px), turned %2.0f deg: found %d of %d, corners rms %.3f px, largest %.2f px, outwards %+.3f px, "
       "range rms %.2f mm\n",
-      distance, 0.1 * c.K[0] / distance, yaw * 57.3, result.found, pictures, result.rms(), result.largest,
+      distance, 0.1 * c.K[0] / distance, yaw * 57.3, result.found, images, result.rms(), result.largest,
       result.outwards / std::max(1, result.corners), 1e3 * std::sqrt(result.range_squares / std::max(1, result.found)));
   return result;
 }
@@ -77,17 +77,17 @@ TEST(PixelConvention, pixelCentresHaveIntegerCoordinates) {
     const Statistics s = measure(scene::calibration(), 0.7, 0.3, 8, sharp);
     ASSERT_EQ(s.found, 8);
     EXPECT_LT(s.mean().norm(), 0.02);
-    EXPECT_LT(s.largest, blur > 0.0 ? 0.1 : 0.3) << "no lens is without blur: that picture is aliased";
+    EXPECT_LT(s.largest, blur > 0.0 ? 0.1 : 0.3) << "no lens is without blur: that image is aliased";
   }
 }
 
 // A second witness without any of this package's camera code: a white and black pixel pattern whose edges are known by
 // counting. The square covers columns 100..159 and rows 80..139, so its outline lies at 99.5, 159.5 and 79.5, 139.5.
 TEST(PixelConvention, countedPixels) {
-  cv::Mat picture(240, 320, CV_8U, cv::Scalar(220));
-  picture(cv::Rect(100, 80, 60, 60)).setTo(30);
+  cv::Mat image(240, 320, CV_8U, cv::Scalar(220));
+  image(cv::Rect(100, 80, 60, 60)).setTo(30);
   using V = Eigen::Vector2d;
-  const auto corners = fitEdges(picture, {V(100, 80), V(159, 80), V(159, 139), V(100, 139)}, 3.0);
+  const auto corners = fitEdges(image, {V(100, 80), V(159, 80), V(159, 139), V(100, 139)}, 3.0);
   ASSERT_TRUE(corners);
   const V expected[] = {{99.5, 79.5}, {159.5, 79.5}, {159.5, 139.5}, {99.5, 139.5}};
   for (std::size_t i = 0; i < 4; ++i)
@@ -190,11 +190,11 @@ TEST(Dock, othersMarkersAreNotReported) {
   const Calibration c = scene::calibration();
   const std::vector<scene::Print> prints = {{0, 0.1, scene::upright({-0.2, 0, 1}, 0.3)},
                                             {9, 0.1, scene::upright({0.2, 0, 1}, 0.3)}};
-  const cv::Mat picture = scene::draw(c, "DICT_4X4_50", prints, scene::Look(), 1);
+  const cv::Mat image = scene::draw(c, "DICT_4X4_50", prints, scene::Look(), 1);
   DockLayout layout = scene::defaultDock();
   const auto count = [&] {
     return DockDetector(CameraModel::raw(c), layout, PerceptionParameters(), CameraMount())
-        .detect(picture)
+        .detect(image)
         .markers.size();
   };
   EXPECT_EQ(count(), 1u);
@@ -211,13 +211,13 @@ TEST(Dock, anIdAtTwoPlacesIsNotUsed) {
   EXPECT_EQ(detector.detect(scene::draw(c, "DICT_4X4_50", {prints[0]}, scene::Look(), 1)).markers.size(), 1u);
 }
 
-TEST(Dock, nothingInThePictureIsNoError) {
+TEST(Dock, nothingInTheImageIsNoError) {
   const DockDetector detector(CameraModel::raw(scene::calibration()), scene::defaultDock(), PerceptionParameters(),
                               CameraMount());
   cv::Mat noise(720, 1280, CV_8U);
   cv::RNG(1).fill(noise, cv::RNG::UNIFORM, 0, 256);
-  for (const cv::Mat& picture : {noise, cv::Mat(cv::Mat::zeros(720, 1280, CV_8U))}) {
-    const auto result = detector.detect(picture);
+  for (const cv::Mat& image : {noise, cv::Mat(cv::Mat::zeros(720, 1280, CV_8U))}) {
+    const auto result = detector.detect(image);
     EXPECT_TRUE(result.markers.empty());
     EXPECT_TRUE(result.dock.empty());
   }
@@ -227,25 +227,24 @@ TEST(Dock, nothingInThePictureIsNoError) {
 TEST(Dock, coveredEdgeIsToldByTheCovariance) {
   const Calibration c = scene::calibration();
   const scene::Print print{0, 0.1, scene::upright({0, 0, 0.8}, 0.4)};
-  cv::Mat picture = scene::draw(c, "DICT_4X4_50", {print}, scene::Look(), 1);
+  cv::Mat image = scene::draw(c, "DICT_4X4_50", {print}, scene::Look(), 1);
   PerceptionParameters by_corners;
   by_corners.refinement = "corners_visp";
   by_corners.detector.search = "opencv";
   const DockDetector detector(CameraModel::raw(c), scene::defaultDock(), by_corners, CameraMount());
   const DockDetector photometric(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
-  const auto free = detector.detect(picture);
+  const auto free = detector.detect(image);
   const auto corners = scene::trueCorners(c, print);
   const Eigen::Vector2d middle = 0.5 * (corners[2] + corners[3]);
-  cv::rectangle(picture, cv::Rect(cvRound(middle.x()) - 11, cvRound(middle.y()) + 2, 22, 8), cv::Scalar(40),
-                cv::FILLED);
-  const auto covered = detector.detect(picture);
+  cv::rectangle(image, cv::Rect(cvRound(middle.x()) - 11, cvRound(middle.y()) + 2, 22, 8), cv::Scalar(40), cv::FILLED);
+  const auto covered = detector.detect(image);
   ASSERT_EQ(free.markers.size(), 1u);
   ASSERT_EQ(covered.markers.size(), 1u);
   EXPECT_TRUE(free.markers[0].image.edges_fitted);
   EXPECT_FALSE(covered.markers[0].image.edges_fitted);
   EXPECT_GT(covered.markers[0].best().covariance.trace(), 4.0 * free.markers[0].best().covariance.trace());
   // The fit to the grey levels needs no whole edge.
-  const auto fitted = photometric.detect(picture);
+  const auto fitted = photometric.detect(image);
   ASSERT_EQ(fitted.markers.size(), 1u);
   const Eigen::Vector3d error = fitted.markers[0].best().pose.translation() - print.T_optical_marker.translation();
   EXPECT_LT(error.norm(), 0.0005);  // measured: see docs/perception.md
@@ -254,14 +253,14 @@ TEST(Dock, coveredEdgeIsToldByTheCovariance) {
 TEST(Annotation, showsMarkersWithoutTouchingTheInput) {
   const Calibration c = scene::calibration();
   const Eigen::Isometry3d truth = scene::dockSeenFrom(-1.0, 0.1, 0.1);
-  const cv::Mat picture = scene::draw(c, "DICT_4X4_50", scene::defaultPrints(truth), scene::Look(), 1);
-  const cv::Mat before = picture.clone();
+  const cv::Mat image = scene::draw(c, "DICT_4X4_50", scene::defaultPrints(truth), scene::Look(), 1);
+  const cv::Mat before = image.clone();
   const DockDetector detector(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
-  const auto result = detector.detect(picture);
-  const cv::Mat drawn = annotate(picture, detector.camera(), detector.layout(), result, {"a line"});
-  EXPECT_EQ(cv::norm(picture, before), 0.0);
+  const auto result = detector.detect(image);
+  const cv::Mat drawn = annotate(image, detector.camera(), detector.layout(), result, {"a line"});
+  EXPECT_EQ(cv::norm(image, before), 0.0);
   ASSERT_EQ(drawn.type(), CV_8UC3);
-  ASSERT_EQ(drawn.size(), picture.size());
+  ASSERT_EQ(drawn.size(), image.size());
   // The outline is yellow: blue stays far below red half-way along an edge.
   const Eigen::Vector2d p = 0.5 * (result.markers[2].image.corners[2] + result.markers[2].image.corners[3]);
   const auto pixel = drawn.at<cv::Vec3b>(cvRound(p.y()), cvRound(p.x()));
@@ -275,12 +274,12 @@ TEST(Speed, oneCore) {
   const Calibration c = scene::calibration();
   const DockDetector detector(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
   for (const double x : {-2.0, -1.2, 0.0}) {
-    const cv::Mat picture =
+    const cv::Mat image =
         scene::draw(c, "DICT_4X4_50", scene::defaultPrints(scene::dockSeenFrom(x, 0.05, 0.05)), scene::Look(), 1);
     std::vector<double> times;
     for (int i = 0; i < 40; ++i) {
       const double begin = processorTime();
-      detector.detect(picture);
+      detector.detect(image);
       times.push_back(1e3 * (processorTime() - begin));
     }
     std::sort(times.begin(), times.end());

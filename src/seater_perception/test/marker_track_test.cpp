@@ -1,4 +1,4 @@
-// Fits that begin at the last picture's poses: what is expected of a followed marker, and that its results are those of
+// Fits that begin at the last image's poses: what is expected of a followed marker, and that its results are those of
 // a detector that knows no history.
 
 #include "pipeline/marker_track.h"
@@ -22,7 +22,7 @@ MarkerCorners seenAt(const Eigen::Isometry3d& pose) {
   return corners;
 }
 
-/// As the last picture left it, with one pose.
+/// As the last image left it, with one pose.
 DetectedMarker known(const Eigen::Isometry3d& pose, double rotation_sd = 0.02) {
   DetectedMarker marker;
   marker.image = seenAt(pose);
@@ -114,8 +114,8 @@ TEST(MarkerTrack, resultsAreThoseOfADetectorWithoutHistory) {
       const scene::Print print{
           3, kSide,
           scene::upright({(0.02 + 0.004 * k) * z, 0.0, z * (1.0 - 0.005 * k)}, 0.45 - 0.012 * k, 0.0, 0.01 * k)};
-      const cv::Mat picture = drawn(print, k);
-      const auto followed = tracker.detect(picture), alone = tracker.detector().detect(picture);
+      const cv::Mat image = drawn(print, k);
+      const auto followed = tracker.detect(image), alone = tracker.detector().detect(image);
       ASSERT_EQ(followed.markers.size(), 1u) << z;
       ASSERT_EQ(alone.markers.size(), 1u) << z;
       EXPECT_EQ(followed.full_search, k == 0);

@@ -46,11 +46,11 @@ void fill(tf2::BufferCore& buffer, double until) {
 
 }  // namespace
 
-TEST(OdometryMotion, isThePoseOfTheLastPictureInThisOne) {
+TEST(OdometryMotion, isThePoseOfTheLastImageInThisOne) {
   tf2::BufferCore buffer;
   fill(buffer, 10.2);
   OdometryMotion motion(buffer, "odom");
-  EXPECT_FALSE(motion.next(kOptical, ros::Time(10.0))) << "there is no last picture";
+  EXPECT_FALSE(motion.next(kOptical, ros::Time(10.0))) << "there is no last image";
   const auto found = motion.next(kOptical, ros::Time(10.1));
   ASSERT_TRUE(found);
   const Eigen::Isometry3d expected = (baseAt(0.05, 0.0, 0.1) * mount()).inverse() * baseAt(0.0, 0.0, 0.0) * mount();
@@ -76,7 +76,7 @@ TEST(OdometryMotion, whatTfDoesNotKnowIsNotUsed) {
   EXPECT_FALSE(wrong.next(kOptical, ros::Time(10.1)));
 }
 
-TEST(OdometryMotion, afterAResetThereIsNoLastPicture) {
+TEST(OdometryMotion, afterAResetThereIsNoLastImage) {
   tf2::BufferCore buffer;
   fill(buffer, 10.2);
   OdometryMotion motion(buffer, "odom");

@@ -1,4 +1,4 @@
-// Pictures and Cramer-Rao bounds for the photometric tests, made in another way than the model does it: rays through a
+// Images and Cramer-Rao bounds for the photometric tests, made in another way than the model does it: rays through a
 // fine grid (samples x samples per pixel), the lens blur applied on that grid, then the mean over each pixel's area.
 // Derivatives are numeric.
 #pragma once
@@ -27,7 +27,7 @@ struct View {
   Isometry3d pose = Isometry3d::Identity();
   double blur = 0.7;  // [px]
   double black = 40.0, white = 215.0;
-  Vector2d motion = Vector2d::Zero();  // [px] path of the picture during the exposure
+  Vector2d motion = Vector2d::Zero();  // [px] path of the image during the exposure
   int samples = 8;
 };
 
@@ -42,7 +42,7 @@ inline View moved(const View& setup, const Vector6d& change) {
   return result;
 }
 
-/// Box of a print's sheet in the picture, `margin` cells wider than the print.
+/// Box of a print's sheet in the image, `margin` cells wider than the print.
 inline cv::Rect boxOf(const View& setup, const scene::Print& print, double margin, int cells) {
   const double h = print.size * (0.5 + margin / cells);
   std::vector<cv::Point2f> outline;
@@ -136,14 +136,14 @@ inline cv::Mat whiteShare(const View& setup, const scene::Print& print, const cv
   return share;
 }
 
-/// The whole picture without noise (CV_64F), paper everywhere.
+/// The whole image without noise (CV_64F), paper everywhere.
 inline cv::Mat clean(const View& setup) {
-  cv::Mat picture(setup.camera.height, setup.camera.width, CV_64F, cv::Scalar(setup.white));
+  cv::Mat image(setup.camera.height, setup.camera.width, CV_64F, cv::Scalar(setup.white));
   for (const auto& print : setup.prints) {
     const cv::Rect box = boxOf(setup, print, 1.6, 6);
-    cv::Mat(setup.black + (setup.white - setup.black) * whiteShare(setup, print, box)).copyTo(picture(box));
+    cv::Mat(setup.black + (setup.white - setup.black) * whiteShare(setup, print, box)).copyTo(image(box));
   }
-  return picture;
+  return image;
 }
 
 inline cv::Mat withNoise(const cv::Mat& clean, double sd, unsigned seed, int type = CV_8U) {

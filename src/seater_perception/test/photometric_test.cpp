@@ -36,7 +36,7 @@ PhotometricResult refine(const View& view, const cv::Mat& grey, const Isometry3d
   return PhotometricRefiner(parameters).refine(grey, CameraModel::raw(view.camera), placementsOf(view), seed);
 }
 
-/// Finest picture there is: 16 bit without noise. Its grey levels are 200 times those of the view.
+/// Finest image there is: 16 bit without noise. Its grey levels are 200 times those of the view.
 cv::Mat fine(const cv::Mat& clean) {
   cv::Mat result;
   cv::Mat(clean * 200.0).convertTo(result, CV_16U);
@@ -76,7 +76,7 @@ Statistics statistics(const View& view, const cv::Mat& clean, double noise, int 
   return s;
 }
 
-/// The whole information of a picture; by default, a part of a large marker's pixels is enough.
+/// The whole information of an image; by default, a part of a large marker's pixels is enough.
 PhotometricParameters allPixels() {
   PhotometricParameters parameters;
   parameters.max_pixels = 8000;
@@ -132,7 +132,7 @@ TEST(PhotometricModel, SmoothsAsNumericIntegrationDoes) {
   EXPECT_LT(largest, 2.5e-3);  // of which 2e-3 come from the sum's steps of 0.01 standard deviations
 }
 
-/// The kernel on pixels collected from a picture, of which only their places matter here.
+/// The kernel on pixels collected from an image, of which only their places matter here.
 struct Kernel {
   Kernel(const View& seen, double blur_sd) : view(seen), camera(CameraModel::raw(seen.camera)) {
     const cv::Mat grey(seen.camera.height, seen.camera.width, CV_8U, cv::Scalar(100));
@@ -453,7 +453,7 @@ TEST(Photometric, ResidualsTellTheBranches) {
 }
 
 // Edges along the pixels' borders, without blur and noise, black and white at the sensor's ends: as people draw them.
-TEST(Photometric, DrawnPicturesAreFitted) {
+TEST(Photometric, DrawnImagesAreFitted) {
   const double z = 640.0 * 0.1 / 126.0;
   View view;
   view.camera.K = {640.0, 0.0, 639.5, 0.0, 640.0, 359.5, 0.0, 0.0, 1.0};
@@ -462,18 +462,18 @@ TEST(Photometric, DrawnPicturesAreFitted) {
   view.pose.translation() = Vector3d((562.5 - 639.5) * z / 640.0, (362.5 - 359.5) * z / 640.0, z);
   view.prints = {{0, 0.1, view.pose}};
   for (const auto& [black, white] : {std::pair(0, 255), std::pair(40, 215), std::pair(0, 200)}) {
-    cv::Mat picture(view.camera.height, view.camera.width, CV_8U, cv::Scalar(white)), print;
+    cv::Mat image(view.camera.height, view.camera.width, CV_8U, cv::Scalar(white)), print;
     cv::aruco::drawMarker(cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50), 0, 126, print, 1);
     print.convertTo(print, CV_8U, (white - black) / 255.0, black);
-    print.copyTo(picture(cv::Rect(500, 300, 126, 126)));
+    print.copyTo(image(cv::Rect(500, 300, 126, 126)));
     std::mt19937 random(3);
-    const auto result = refine(view, picture, photo_scene::seedNear(view, random, 0.2, 0.003, 0.01));
+    const auto result = refine(view, image, photo_scene::seedNear(view, random, 0.2, 0.003, 0.01));
     ASSERT_TRUE(result.converged) << result.failure << ", " << black << " to " << white;
     EXPECT_LT(pixelError(view, result.pose), 0.1) << black << " to " << white;  // measured: 0.06; nothing tells more
   }
 }
 
-TEST(Photometric, BadPicturesGiveNoPoseAndNothingNotFinite) {
+TEST(Photometric, BadImagesGiveNoPoseAndNothingNotFinite) {
   const View view = photo_scene::single(0.1, 1.0, 0.3);
   const auto check = [&](const cv::Mat& grey, const Isometry3d& seed, const char* what) {
     const auto result = refine(view, grey, seed);
@@ -496,9 +496,9 @@ TEST(Photometric, BadPicturesGiveNoPoseAndNothingNotFinite) {
   check(good, seed, "not a number");
   cv::Mat inverted = 255 - good;
   check(inverted, view.pose, "inverted");
-  EXPECT_THROW(refine(view, cv::Mat(size, CV_8UC3), view.pose), PictureError);
-  EXPECT_THROW(refine(view, cv::Mat(10, 10, CV_8U), view.pose), PictureError);
-  EXPECT_THROW(refine(view, cv::Mat(), view.pose), PictureError);
+  EXPECT_THROW(refine(view, cv::Mat(size, CV_8UC3), view.pose), ImageError);
+  EXPECT_THROW(refine(view, cv::Mat(10, 10, CV_8U), view.pose), ImageError);
+  EXPECT_THROW(refine(view, cv::Mat(), view.pose), ImageError);
   PhotometricParameters wrong;
   wrong.blur = "guess";
   EXPECT_THROW(PhotometricRefiner{wrong}, ConfigurationError);

@@ -11,14 +11,14 @@ namespace {
 
 /// Frontal, its sides along the pixels, drawn on the pixel grid: `side` whole pixels at (x, y).
 cv::Mat onThePixelGrid(int id, int side, int x, int y, double blur, int black = 40, int white = 215, int wall = 215) {
-  cv::Mat picture(720, 1280, CV_8U, cv::Scalar(wall)), print;
+  cv::Mat image(720, 1280, CV_8U, cv::Scalar(wall)), print;
   cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50)->drawMarker(id, side, print);
   for (int row = 0; row < side; ++row) {
     for (int column = 0; column < side; ++column)
-      picture.at<uchar>(y + row, x + column) = print.at<uchar>(row, column) > 127 ? white : black;
+      image.at<uchar>(y + row, x + column) = print.at<uchar>(row, column) > 127 ? white : black;
   }
-  if (blur > 0.0) cv::GaussianBlur(picture, picture, cv::Size(), blur);
-  return picture;
+  if (blur > 0.0) cv::GaussianBlur(image, image, cv::Size(), blur);
+  return image;
 }
 
 }  // namespace
@@ -77,8 +77,8 @@ TEST(PlainMarkers, turnedAndTiltedAreFound) {
     for (const double tilt : {0.0, 0.3, 0.7}) {
       for (const double roll : {0.0, 0.4, M_PI}) {
         for (const double noise : {0.0, 3.0}) {
-          if (tilt > 0.5 && (side < 20.0 || side > 400.0)) continue;  // too small, too large for the picture
-          if (side > 450.0 && roll == 0.4) continue;                  // does not fit into the picture
+          if (tilt > 0.5 && (side < 20.0 || side > 400.0)) continue;  // too small, too large for the image
+          if (side > 450.0 && roll == 0.4) continue;                  // does not fit into the image
           ++number;
           const double z = 640.0 * 0.1 / side, off = side > 300.0 ? 0.01 : 0.2;
           const scene::Print print{(7 * number) % 50, 0.1,
@@ -104,7 +104,7 @@ TEST(PlainMarkers, turnedAndTiltedAreFound) {
   }
 }
 
-// Drawn pictures are what people try first: without blur, black and white at the sensor's limits, and pasted on a grey
+// Drawn images are what people try first: without blur, black and white at the sensor's limits, and pasted on a grey
 // that is darker than the print's white, as a print is whose margin was cut off.
 TEST(PlainMarkers, aQuietZoneNeedNotBeAsWhiteAsThePrint) {
   const MarkerDetector detector("DICT_4X4_50", DetectorParameters());

@@ -1,4 +1,4 @@
-// Poses, their covariance and their choice, from exact corners with known noise: no picture.
+// Poses, their covariance and their choice, from exact corners with known noise: no image.
 
 #include "seater_perception/pose.h"
 
@@ -255,7 +255,7 @@ TEST(Poses, undecidedIsSaid) {
              0;
   }
   EXPECT_GT(two, 100);
-  EXPECT_LT(right, 195) << "if this is always right, the picture did decide and the test shows nothing";
+  EXPECT_LT(right, 195) << "if this is always right, the image did decide and the test shows nothing";
 }
 
 TEST(Poses, senselessCornersAreRefused) {

@@ -138,9 +138,9 @@ double meanOverPixel(const std::array<Vector2d, 4>& rays, double background, con
   return sum / (kSamples * kSamples);
 }
 
-/// Draws one print into a picture of floating-point grey levels.
+/// Draws one print into an image of floating-point grey levels.
 inline void drawPrint(const seater_perception::Calibration& c, const cv::Mat& bits, const Print& print,
-                      const Look& look, cv::Mat& picture) {
+                      const Look& look, cv::Mat& image) {
   std::vector<cv::Point2f> outline;
   for (const auto& p : trueCorners(c, print)) outline.emplace_back(p.x(), p.y());
   cv::Rect box = cv::boundingRect(outline);
@@ -161,29 +161,29 @@ inline void drawPrint(const seater_perception::Calibration& c, const cv::Mat& bi
     for (int x = 0; x < box.width; ++x) {
       const std::size_t k = static_cast<std::size_t>(y * (box.width + 1) + x), below = k + box.width + 1;
       const auto ray = [&](std::size_t i) { return Vector2d(rays[i].x, rays[i].y); };
-      auto& pixel = picture.at<float>(box.y + y, box.x + x);
+      auto& pixel = image.at<float>(box.y + y, box.x + x);
       pixel = static_cast<float>(meanOverPixel({ray(k), ray(k + 1), ray(below), ray(below + 1)}, pixel, grey));
     }
   }
 }
 
-/// One picture of the prints before a wall, blurred and with noise.
+/// One image of the prints before a wall, blurred and with noise.
 inline cv::Mat draw(const seater_perception::Calibration& c, const std::string& dictionary,
                     const std::vector<Print>& prints, const Look& look, unsigned seed) {
-  cv::Mat picture(c.height, c.width, CV_32F, cv::Scalar(look.wall));
+  cv::Mat image(c.height, c.width, CV_32F, cv::Scalar(look.wall));
   const auto dict = cv::aruco::getPredefinedDictionary(seater_perception::dictionaryNumber(dictionary, ""));
   for (const Print& print : prints) {
     cv::Mat bits;
     dict->drawMarker(print.id, dict->markerSize + 2, bits, 1);
-    drawPrint(c, bits, print, look, picture);
+    drawPrint(c, bits, print, look, image);
   }
-  if (look.blur > 0) cv::GaussianBlur(picture, picture, cv::Size(), look.blur);
+  if (look.blur > 0) cv::GaussianBlur(image, image, cv::Size(), look.blur);
   cv::RNG random(seed);
-  cv::Mat noise(picture.size(), CV_32F);
+  cv::Mat noise(image.size(), CV_32F);
   random.fill(noise, cv::RNG::NORMAL, 0.0, look.noise);
-  if (look.noise > 0) picture += noise;
+  if (look.noise > 0) image += noise;
   cv::Mat grey;
-  picture.convertTo(grey, CV_8U);
+  image.convertTo(grey, CV_8U);
   return grey;
 }
 

@@ -13,14 +13,14 @@ namespace {
 
 const double kBlur = 1.5;  // [px] of the shadow's edge
 
-/// A shadow over all of the picture below a line through `p`, at `angle` to the rows [rad].
-void shade(cv::Mat& picture, const Eigen::Vector2d& p, double angle, double factor) {
+/// A shadow over all of the image below a line through `p`, at `angle` to the rows [rad].
+void shade(cv::Mat& image, const Eigen::Vector2d& p, double angle, double factor) {
   const Eigen::Vector2d normal(-std::sin(angle), std::cos(angle));  // downwards, into the shadow
-  for (int v = 0; v < picture.rows; ++v) {
-    for (int u = 0; u < picture.cols; ++u) {
+  for (int v = 0; v < image.rows; ++v) {
+    for (int u = 0; u < image.cols; ++u) {
       const double deep = normal.dot(Eigen::Vector2d(u, v) - p) / kBlur;
       const double light = 1.0 - (1.0 - factor) * 0.5 * std::erfc(-deep * M_SQRT1_2);
-      picture.at<uchar>(v, u) = cv::saturate_cast<uchar>(light * picture.at<uchar>(v, u));
+      image.at<uchar>(v, u) = cv::saturate_cast<uchar>(light * image.at<uchar>(v, u));
     }
   }
 }
@@ -45,8 +45,8 @@ DockTracker makeTracker() {
 }
 
 /// Samples of a print's quiet zone under light that falls off across lines x = `at`.
-PictureLevels::Samples ring(const PatternGrid& grid, const std::vector<double>& lines, double factor) {
-  PictureLevels::Samples samples;
+ImageLevels::Samples ring(const PatternGrid& grid, const std::vector<double>& lines, double factor) {
+  ImageLevels::Samples samples;
   samples.grey = Eigen::VectorXf::Constant(grid.size(), 40.0F);
   samples.weights = Eigen::VectorXf::Ones(grid.size());
   samples.seen = grid.size();
@@ -88,7 +88,7 @@ TEST(ShadowEdge, onlyWhereThereIsOne) {
   EXPECT_FALSE(findShadowEdge(grid, ring(grid, {0.2}, 0.95), kSquare));       // too weak
   EXPECT_FALSE(findShadowEdge(grid, ring(grid, {-0.4, 0.4}, 0.5), kSquare));  // a stripe
   EXPECT_FALSE(findShadowEdge(grid, ring(grid, {0.2}, 0.05), kSquare));       // no light at all
-  PictureLevels::Samples nothing = ring(grid, {0.2}, 0.5);
+  ImageLevels::Samples nothing = ring(grid, {0.2}, 0.5);
   nothing.weights.setZero();
   EXPECT_FALSE(findShadowEdge(grid, nothing, kSquare));
 }
@@ -101,9 +101,9 @@ TEST(ShadowEdge, aMarkerAcrossItIsFoundWhereItIs) {
       if (z > 0.5 && factor < 0.5) continue;  // a strong one grows together with a small marker's border
       for (int k = 0; k < 4; ++k) {
         const scene::Print print = at(0.05, z);
-        cv::Mat picture = drawn(print, static_cast<unsigned>(k));
-        shade(picture, middle(print), 0.4 + 0.8 * k, factor);
-        const auto result = detector.detect(picture);
+        cv::Mat image = drawn(print, static_cast<unsigned>(k));
+        shade(image, middle(print), 0.4 + 0.8 * k, factor);
+        const auto result = detector.detect(image);
         ASSERT_EQ(result.markers.size(), 1u) << z << " m, factor " << factor << ", number " << k;
         const Eigen::Vector3d off = result.markers[0].best().pose.translation() - print.T_optical_marker.translation();
         EXPECT_LT(off.norm(), 0.004 * z) << factor << ", number " << k;
@@ -118,9 +118,9 @@ TEST(ShadowEdge, theTrackGoesThroughIt) {
   DockTracker tracker = makeTracker();
   for (unsigned k = 0; k < 12; ++k) {
     const scene::Print print = at(-0.1 + 0.01 * k, 0.9);
-    cv::Mat picture = drawn(print, k);
-    if (k > 1) shade(picture, {600.0 - 6.0 * k, 370.0}, 1.2, 0.5);
-    const auto result = tracker.detect(picture);
+    cv::Mat image = drawn(print, k);
+    if (k > 1) shade(image, {600.0 - 6.0 * k, 370.0}, 1.2, 0.5);
+    const auto result = tracker.detect(image);
     ASSERT_EQ(result.markers.size(), 1u) << k;
     EXPECT_LT((result.markers[0].best().pose.translation() - print.T_optical_marker.translation()).norm(), 0.004) << k;
   }

@@ -18,7 +18,7 @@ def camera() -> sp.CameraModel:
     return sp.CameraModel.raw(sp.load_calibration(str(CONFIG / "cameras" / "d455.yaml")))
 
 
-def picture(size: int = 126, at: tuple[int, int] = (500, 300)) -> np.ndarray:
+def marker_image(size: int = 126, at: tuple[int, int] = (500, 300)) -> np.ndarray:
     """Marker 3 of DICT_4X4_50, frontal, `size` pixels wide, its first pixel at `at`."""
     image = np.full((720, 1280), 215, np.uint8)
     print_ = cv2.aruco.drawMarker(cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50), 3, size)
@@ -28,7 +28,7 @@ def picture(size: int = 126, at: tuple[int, int] = (500, 300)) -> np.ndarray:
 
 def test_detects_a_marker_where_it_is() -> None:
     detector = sp.DockDetector(camera(), sp.layout_of_equal_markers("DICT_4X4_50", 0.1), sp.default_parameters())
-    (marker,) = detector.detect(picture()).markers
+    (marker,) = detector.detect(marker_image()).markers
     assert marker.id == 3
     # The first pixel's outer edge is half a pixel before its centre.
     expected = np.array([[499.5, 299.5], [625.5, 299.5], [625.5, 425.5], [499.5, 425.5]])
@@ -54,7 +54,7 @@ def test_photometric_refinement_finds_back_from_a_wrong_start() -> None:
     z = F * 0.1 / 126
     start = np.diag([1.0, -1.0, -1.0, 1.0])  # marker facing the camera
     start[:3, 3] = [(562.5 - CX) * z / F + 0.0005, (362.5 - CY) * z / F, 1.004 * z]
-    result = refiner.refine(picture(), camera(), [sp.PatternPlacement(pattern, 0.1)], start)
+    result = refiner.refine(marker_image(), camera(), [sp.PatternPlacement(pattern, 0.1)], start)
     assert result.converged, result.failure
     assert result.pose[:3, 3] == pytest.approx([(562.5 - CX) * z / F, (362.5 - CY) * z / F, z], abs=3e-4)
 
@@ -63,7 +63,7 @@ def test_files_of_the_configuration_are_read() -> None:
     parameters = yaml.safe_load((CONFIG / "perception.yaml").read_text())
     layout = sp.load_dock_layout(yaml.safe_load((CONFIG / "docks" / "default.yaml").read_text()))
     assert parameters.keys() == sp.default_parameters().keys()
-    assert sp.DockDetector(camera(), layout, parameters).detect(picture()).markers == []
+    assert sp.DockDetector(camera(), layout, parameters).detect(marker_image()).markers == []
 
 
 @pytest.mark.parametrize("value", ["12", 1e9, None, [1]])
@@ -74,18 +74,18 @@ def test_wrong_parameter_is_named(value: object) -> None:
         sp.DockDetector(camera(), sp.layout_of_equal_markers("DICT_4X4_50", 0.1), parameters)
 
 
-def test_wrong_pictures_are_refused() -> None:
+def test_wrong_images_are_refused() -> None:
     detector = sp.DockDetector(camera(), sp.layout_of_equal_markers("DICT_4X4_50", 0.1), sp.default_parameters())
-    with pytest.raises(sp.PictureError):
+    with pytest.raises(sp.ImageError):
         detector.detect(np.zeros((480, 640), np.uint8))
-    for wrong in (np.zeros((720, 1280), np.float32), np.zeros((720, 1280, 3), np.uint8), picture()[:, ::2]):
-        with pytest.raises(TypeError, match="picture"):
+    for wrong in (np.zeros((720, 1280), np.float32), np.zeros((720, 1280, 3), np.uint8), marker_image()[:, ::2]):
+        with pytest.raises(TypeError, match="image"):
             detector.detect(wrong)
 
 
 def test_other_threads_run_during_a_detection() -> None:
     detector = sp.DockDetector(camera(), sp.layout_of_equal_markers("DICT_4X4_50", 0.1), sp.default_parameters())
-    image, busy = picture(), threading.Event()
+    image, busy = marker_image(), threading.Event()
     ticks_within = 0
     ready = threading.Event()
 

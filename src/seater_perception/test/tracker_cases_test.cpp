@@ -42,12 +42,12 @@ cv::Mat drawnMoving(const scene::Print& print, double path, unsigned seed) {
   return grey;
 }
 
-void cover(cv::Mat& picture, const scene::Print& print, double from, double to) {
+void cover(cv::Mat& image, const scene::Print& print, double from, double to) {
   const auto corners = scene::trueCorners(kCamera, print);
   const double width = corners[1].x() - corners[0].x();
   const cv::Point a(cvRound(corners[0].x() + from * width), cvRound(corners[0].y() - 0.3 * width));
   const cv::Point b(cvRound(corners[0].x() + to * width), cvRound(corners[2].y() + 0.3 * width));
-  cv::rectangle(picture, a, b, cv::Scalar(120), cv::FILLED);
+  cv::rectangle(image, a, b, cv::Scalar(120), cv::FILLED);
 }
 
 DockTracker makeTracker(int full_search_every = 1000) {
@@ -125,7 +125,7 @@ TEST(TrackerCases, followsAChangeOfSizeAndATurn) {
     const auto result = tracker.detect(drawn({print}, k));
     ASSERT_EQ(idsIn(result), std::vector<int>{0}) << z;
     EXPECT_EQ(result.full_search, k == 0) << z;
-    z *= k == 6 ? 0.75 : 0.88;  // once a third larger from one picture to the next
+    z *= k == 6 ? 0.75 : 0.88;  // once a third larger from one image to the next
     yaw += 0.05;
   }
 }
@@ -158,13 +158,13 @@ TEST(TrackerCases, keepsADimMarkerThatTheSearchDoesNotFind) {
   ASSERT_EQ(idsIn(tracker.detect(drawn({print}, 1))), std::vector<int>{0});
   int kept = 0, searched = 0;
   for (unsigned k = 2; k < 22; ++k) {
-    const cv::Mat picture = drawn({print}, k, dim);
-    const auto result = tracker.detect(picture);
+    const cv::Mat image = drawn({print}, k, dim);
+    const auto result = tracker.detect(image);
     kept += !result.full_search && idsIn(result) == std::vector<int>{0};
-    searched += tracker.detector().detect(picture).markers.size() == 1;
-    tracker.detect(drawn({print}, 100 + k));  // so that each picture is judged for itself
+    searched += tracker.detector().detect(image).markers.size() == 1;
+    tracker.detect(drawn({print}, 100 + k));  // so that each image is judged for itself
   }
-  std::printf("  contrast 40, 18 px: kept in %d of 20 pictures, found by the search in %d\n", kept, searched);
+  std::printf("  contrast 40, 18 px: kept in %d of 20 images, found by the search in %d\n", kept, searched);
   EXPECT_GE(kept, 18);
   EXPECT_LT(searched, kept);
 }

@@ -1,4 +1,4 @@
-// The own search, what it must not find, and the track from picture to picture.
+// The own search, what it must not find, and the track from image to image.
 
 #include <gtest/gtest.h>
 
@@ -21,31 +21,31 @@ DockDetector detectorOf(const DockLayout& layout) {
   return DockDetector(CameraModel::raw(scene::calibration()), layout, PerceptionParameters(), CameraMount());
 }
 
-std::size_t foundByOpenCv(const cv::Mat& picture) {
+std::size_t foundByOpenCv(const cv::Mat& image) {
   std::vector<std::vector<cv::Point2f>> outlines;
   std::vector<int> ids;
-  cv::aruco::detectMarkers(picture, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50), outlines, ids);
+  cv::aruco::detectMarkers(image, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50), outlines, ids);
   return ids.size();
 }
 
 /// A scene without markers of DICT_4X4_50.
 cv::Mat strange(int kind, unsigned seed) {
   cv::RNG random(seed);
-  cv::Mat picture(360, 640, CV_32F, cv::Scalar(170));
+  cv::Mat image(360, 640, CV_32F, cv::Scalar(170));
   if (kind == 0) {
-    random.fill(picture, cv::RNG::NORMAL, 128.0, 90.0);
-    cv::GaussianBlur(picture, picture, cv::Size(), random.uniform(0.5, 2.5));
-    picture = (picture - 128.0) * 3.0 + 128.0;
+    random.fill(image, cv::RNG::NORMAL, 128.0, 90.0);
+    cv::GaussianBlur(image, image, cv::Size(), random.uniform(0.5, 2.5));
+    image = (image - 128.0) * 3.0 + 128.0;
   } else if (kind == 1) {
     const int size = random.uniform(6, 50);
-    for (int y = 0; y < picture.rows; ++y) {
-      for (int x = 0; x < picture.cols; ++x) picture.at<float>(y, x) = (x / size + y / size) % 2 ? 220.0f : 30.0f;
+    for (int y = 0; y < image.rows; ++y) {
+      for (int x = 0; x < image.cols; ++x) image.at<float>(y, x) = (x / size + y / size) % 2 ? 220.0f : 30.0f;
     }
   } else if (kind == 2) {
     for (int k = 0; k < 80; ++k) {
       std::string text;
       for (int i = 0; i < 8; ++i) text += static_cast<char>(random.uniform(33, 126));
-      cv::putText(picture, text, {random.uniform(-20, 640), random.uniform(0, 360)}, random.uniform(0, 7),
+      cv::putText(image, text, {random.uniform(-20, 640), random.uniform(0, 360)}, random.uniform(0, 7),
                   random.uniform(0.3, 2.0), cv::Scalar(30), random.uniform(1, 5));
     }
   } else {
@@ -54,13 +54,13 @@ cv::Mat strange(int kind, unsigned seed) {
       cv::Mat code, shown;
       others->drawMarker(random.uniform(0, 50), 7 * (2 + k), code);
       code.convertTo(shown, CV_32F);
-      shown.copyTo(picture(cv::Rect(10 + 78 * k, random.uniform(20, 200), shown.cols, shown.rows)));
+      shown.copyTo(image(cv::Rect(10 + 78 * k, random.uniform(20, 200), shown.cols, shown.rows)));
     }
   }
-  cv::GaussianBlur(picture, picture, cv::Size(), 0.9);
-  cv::Mat noise(picture.size(), CV_32F), grey;
+  cv::GaussianBlur(image, image, cv::Size(), 0.9);
+  cv::Mat noise(image.size(), CV_32F), grey;
   random.fill(noise, cv::RNG::NORMAL, 0.0, 3.0);
-  cv::Mat(picture + noise).convertTo(grey, CV_8U);
+  cv::Mat(image + noise).convertTo(grey, CV_8U);
   return grey;
 }
 
@@ -71,22 +71,22 @@ TEST(Search, findsSmallBlurredMarkersThatOpenCvDoesNot) {
   const DockDetector detector = detectorOf(scene::defaultDock());
   int found = 0;
   std::size_t by_opencv = 0;
-  const int pictures = 20;
-  for (int i = 0; i < pictures; ++i) {
+  const int images = 20;
+  for (int i = 0; i < images; ++i) {
     std::mt19937 random(static_cast<unsigned>(i));
     std::uniform_real_distribution<double> u(-1.0, 1.0);
     const double z = 640.0 * 0.1 / 14.0;
     const scene::Print print{0, 0.1, scene::upright({0.3 * z * u(random), 0.1 * z * u(random), z}, 0.4 * u(random))};
-    const cv::Mat picture =
+    const cv::Mat image =
         scene::draw(scene::calibration(), "DICT_4X4_50", {print}, degraded(), static_cast<unsigned>(i));
-    by_opencv += foundByOpenCv(picture);
-    const auto result = detector.detect(picture);
+    by_opencv += foundByOpenCv(image);
+    const auto result = detector.detect(image);
     ASSERT_LE(result.markers.size(), 1u);
     if (result.markers.empty()) continue;
     EXPECT_EQ(result.markers[0].image.id, print.id);
     ++found;
   }
-  std::printf("  14 px: found %d of %d, by OpenCV %zu\n", found, pictures, by_opencv);
+  std::printf("  14 px: found %d of %d, by OpenCV %zu\n", found, images, by_opencv);
   EXPECT_GE(found, 18);
   EXPECT_LE(by_opencv, 2u);
 }
@@ -128,7 +128,7 @@ TEST(Track, odometryTellsWhereToLook) {
     if (told) motion = after.T_optical_marker * before.T_optical_marker.inverse();
     const auto result = tracker.detect(scene::draw(c, "DICT_4X4_50", {after}, scene::Look(), 2), motion);
     ASSERT_EQ(result.markers.size(), 1u);
-    EXPECT_EQ(result.full_search, !told) << "170 px in one picture are beyond the margin";
+    EXPECT_EQ(result.full_search, !told) << "170 px in one image are beyond the margin";
   }
 }
 
@@ -146,17 +146,17 @@ TEST(Track, inventsNothing) {
   for (const auto& m : exchanged.markers) EXPECT_EQ(m.image.id, 1);
 }
 
-TEST(Track, samePicturesGiveTheSameNumbers) {
+TEST(Track, sameImagesGiveTheSameNumbers) {
   const Calibration c = scene::calibration();
-  std::vector<cv::Mat> pictures;
+  std::vector<cv::Mat> images;
   for (int k = 0; k < 6; ++k) {
-    pictures.push_back(scene::draw(c, "DICT_4X4_50", scene::defaultPrints(scene::dockSeenFrom(-1.0 + 0.04 * k, 0.1, 0)),
-                                   scene::Look(), static_cast<unsigned>(k)));
+    images.push_back(scene::draw(c, "DICT_4X4_50", scene::defaultPrints(scene::dockSeenFrom(-1.0 + 0.04 * k, 0.1, 0)),
+                                 scene::Look(), static_cast<unsigned>(k)));
   }
   DockTracker a(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
   DockTracker b(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
-  for (const cv::Mat& picture : pictures) {
-    const auto first = a.detect(picture), second = b.detect(picture);
+  for (const cv::Mat& image : images) {
+    const auto first = a.detect(image), second = b.detect(image);
     ASSERT_FALSE(first.dock.empty());
     EXPECT_EQ(first.dock.front().pose.matrix(), second.dock.front().pose.matrix());
     EXPECT_EQ(first.dock.front().covariance, second.dock.front().covariance);

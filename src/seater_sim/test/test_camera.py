@@ -1,4 +1,4 @@
-"""Pictures against projection: where the renderer puts the markers, to hundredths of a pixel."""
+"""Images against projection: where the renderer puts the markers, to hundredths of a pixel."""
 
 import dataclasses
 from collections.abc import Callable
@@ -21,10 +21,10 @@ DICTIONARY = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
 # width), if a pixel is the mean of the light over its square.
 
 
-def edge_points(picture: np.ndarray, corners: np.ndarray, side: int, reach: float) -> np.ndarray:
+def edge_points(image: np.ndarray, corners: np.ndarray, side: int, reach: float) -> np.ndarray:
     """Points (n, 2) [px] on one side of the printed square, whose outer border is white and inner one black.
 
-    `side` 0: top, 1: right, 2: bottom, 3: left, of a print that stands upright in the picture. `corners`: (4, 2) [px],
+    `side` 0: top, 1: right, 2: bottom, 3: left, of a print that stands upright in the image. `corners`: (4, 2) [px],
     roughly, top-left first; `reach`: how far a scan goes to both sides of the edge [px].
     """
     a, b = corners[side], corners[(side + 1) % 4]
@@ -36,7 +36,7 @@ def edge_points(picture: np.ndarray, corners: np.ndarray, side: int, reach: floa
     for at in range(int(np.ceil(low + reach)), int(np.floor(high - reach)) + 1):
         middle = a[across] + (b[across] - a[across]) * (at - a[along]) / (b[along] - a[along])
         inner, outer = sorted((round(middle - reach), round(middle + reach)))
-        scan = picture[inner : outer + 1, at] if along == 0 else picture[at, inner : outer + 1]
+        scan = image[inner : outer + 1, at] if along == 0 else image[at, inner : outer + 1]
         light = scan.astype(float)
         if outwards > 0:  # black comes first: count it from the inner end
             black, white = light[0], light[-1]
@@ -48,20 +48,20 @@ def edge_points(picture: np.ndarray, corners: np.ndarray, side: int, reach: floa
     return np.array(points)
 
 
-def corners_by_edges(picture: np.ndarray, corners: np.ndarray, reach: float) -> np.ndarray:
+def corners_by_edges(image: np.ndarray, corners: np.ndarray, reach: float) -> np.ndarray:
     """Corners (4, 2) [px] as crossings of straight lines through the edges' points."""
     lines = []
     for side in range(4):
-        points = edge_points(picture, corners, side, reach)
+        points = edge_points(image, corners, side, reach)
         dx, dy, x, y = cv2.fitLine(points.astype(np.float32), cv2.DIST_L2, 0, 1e-6, 1e-6).reshape(-1)
         lines.append(np.cross([x, y, 1.0], [x + dx, y + dy, 1.0]))
     crossings = np.array([np.cross(lines[(side - 1) % 4], lines[side]) for side in range(4)])
     return crossings[:, :2] / crossings[:, 2:]
 
 
-def found(picture: np.ndarray) -> dict[int, np.ndarray]:
+def found(image: np.ndarray) -> dict[int, np.ndarray]:
     """Corners (4, 2) by OpenCV's detector with its usual sub-pixel refinement."""
-    grey = picture if picture.ndim == 2 else cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)
+    grey = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     parameters = cv2.aruco.DetectorParameters_create()
     parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
     parameters.cornerRefinementWinSize = 3
@@ -77,14 +77,14 @@ POSES += [(-1.5, 0.7, -0.35), (-0.8, -0.25, 0.2), (-2.0, 1.0, -0.45)]
 
 @pytest.mark.parametrize("pose", POSES)
 def test_corners_are_where_projection_says(ideal_camera: Camera, pose: tuple[float, float, float]) -> None:
-    picture = ideal_camera.render(pose)
+    image = ideal_camera.render(pose)
     truth = ideal_camera.marker_corners(pose)
     errors = []
-    for number in found(picture):  # the others are cut off or hidden by a side wall
+    for number in found(image):  # the others are cut off or hidden by a side wall
         corners = truth[number]
         side = np.linalg.norm(corners[0] - corners[1])
         # A scan must reach into paper and ink on both sides of a slanting edge, but not beyond the border of one cell.
-        measured = corners_by_edges(picture, corners, max(2.0, 0.09 * float(side)))
+        measured = corners_by_edges(image, corners, max(2.0, 0.09 * float(side)))
         errors.append(np.abs(measured - corners).max())
     assert errors
     # Measured 0.002 .. 0.02 px; what is left is the rounding to grey levels, amplified by extrapolation to the corner.
@@ -97,7 +97,7 @@ def test_edges_follow_the_lens(with_lens: Callable[[str], CameraModel], lens: st
     mount = Chair().camera
     camera = Camera(model, mount, Dock(), IDEAL)
     pose = (-0.5, 0.03, 0.02)
-    picture = camera.render(pose)
+    image = camera.render(pose)
     T_optical_dock = np.linalg.inv(camera.T_dock_optical(pose))
     rvec, tvec = cv2.Rodrigues(T_optical_dock[:3, :3])[0], T_optical_dock[:3, 3]
     for sheet in camera.scene.sheets:
@@ -105,7 +105,7 @@ def test_edges_follow_the_lens(with_lens: Callable[[str], CameraModel], lens: st
         for side in range(4):
             a, b = sheet.outline[side], sheet.outline[(side + 1) % 4]
             curve = cv2.projectPoints(a + t * (b - a), rvec, tvec, model.K, model.D)[0].reshape(-1, 2)
-            points = edge_points(picture, camera.marker_corners(pose)[sheet.marker.id], side, 5.0)
+            points = edge_points(image, camera.marker_corners(pose)[sheet.marker.id], side, 5.0)
             along = 0 if side in (0, 2) else 1
             order = np.argsort(curve[:, along])
             expected = np.interp(points[:, along], curve[order, along], curve[order, 1 - along])
@@ -192,8 +192,8 @@ def test_a_marker_that_is_not_in_the_dictionary_is_refused(model: CameraModel) -
 
 def test_every_view_of_the_room_can_be_drawn(camera: Camera) -> None:
     for k in range(24):
-        picture = camera.render((-1.5, 0.5, 0.2618 * k), index=k)
-        assert picture.shape == (720, 1280) and picture.std() > 3.0
+        image = camera.render((-1.5, 0.5, 0.2618 * k), index=k)
+        assert image.shape == (720, 1280) and image.std() > 3.0
 
 
 @pytest.mark.parametrize("heading", [0.0, 1.0, 2.2, 3.0, 4.0, 5.3])
@@ -201,7 +201,7 @@ def test_faces_towards_the_camera_are_in_front(model: CameraModel, heading: floa
     obstacle = Obstacle([-4.3, -0.3, -3.7, -0.3, -3.7, 0.3, -4.3, 0.3], 1.0)
     camera = Camera(model, Chair().camera, Dock(), IDEAL, obstacles=[obstacle])
     pose = (-4.0 - 2.0 * np.cos(heading), -2.0 * np.sin(heading), heading)  # looks at its middle
-    picture = camera.render(pose)
+    image = camera.render(pose)
     T = camera.T_dock_optical(pose)
     seen = 0
     for face in camera.scene.blocks[2].faces:
@@ -210,6 +210,6 @@ def test_faces_towards_the_camera_are_in_front(model: CameraModel, heading: floa
             u, v = model.project((np.linalg.inv(T) @ [*centre, 1.0])[None, :3])[0]
             if v < 719 and face.normal[2] == 0.0:
                 r, g, b = face.colour
-                assert picture[round(v), round(u)] == pytest.approx(0.299 * r + 0.587 * g + 0.114 * b, abs=1.0)
+                assert image[round(v), round(u)] == pytest.approx(0.299 * r + 0.587 * g + 0.114 * b, abs=1.0)
                 seen += 1
     assert seen >= 1

@@ -25,9 +25,9 @@ def test_what_events_do() -> None:
     assert world.covered == {0, 1, 2}
     world.apply(Event("uncover", ids=(0,)))
     assert world.covered == {1, 2}
-    for action, mode in [("nan_pictures", "nan"), ("camera_off", "off"), ("good_pictures", "good")]:
+    for action, mode in [("nan_images", "nan"), ("camera_off", "off"), ("good_images", "good")]:
         world.apply(Event(action))
-        assert world.pictures == mode
+        assert world.images == mode
     world.apply(Event("odometry_off"))
     assert world.odometry is False
     world.apply(Event("odometry_on"))

@@ -17,7 +17,7 @@ def test_wait_ends_with_the_right_answer_only() -> None:
 
     def answer() -> None:
         answers.put("odom", 4, "old")
-        answers.put("picture", 5, "other")
+        answers.put("image", 5, "other")
         time.sleep(0.05)
         answers.put("odom", 5, "done")
 

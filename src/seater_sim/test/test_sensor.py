@@ -35,7 +35,7 @@ def test_noise_is_white_with_the_right_sd(sd: float) -> None:
         assert abs(np.mean(noise * np.roll(noise, shift, axis))) / noise.var() < 0.005  # 5 sd of 0.9 million pixels
 
 
-def test_noise_differs_between_pictures_and_seeds_and_repeats() -> None:
+def test_noise_differs_between_images_and_seeds_and_repeats() -> None:
     sensor = Sensor(settings(noise_sd=2.0), 1280, 720)
     one = sensor.expose(FLAT, 1, 1)
     assert np.array_equal(one, sensor.expose(FLAT, 1, 1))
@@ -52,10 +52,10 @@ def test_noise_saturates_without_wrapping() -> None:
 
 
 def test_vignetting_and_gain() -> None:
-    picture = Sensor(settings(vignetting=0.4, gain=1.5), 1280, 720).expose(FLAT, 1, 1).astype(float)
-    assert picture[360, 640] == pytest.approx(180.0, abs=1.0)
-    assert picture[0, 0] == pytest.approx(108.0, abs=1.5)  # 1.5 * 0.6 * 120
-    assert picture[0, 640] == pytest.approx(180.0 * (1.0 - 0.4 * 720**2 / (720**2 + 1280**2)), abs=1.5)
+    image = Sensor(settings(vignetting=0.4, gain=1.5), 1280, 720).expose(FLAT, 1, 1).astype(float)
+    assert image[360, 640] == pytest.approx(180.0, abs=1.0)
+    assert image[0, 0] == pytest.approx(108.0, abs=1.5)  # 1.5 * 0.6 * 120
+    assert image[0, 640] == pytest.approx(180.0 * (1.0 - 0.4 * 720**2 / (720**2 + 1280**2)), abs=1.5)
     assert Sensor(settings(gain=3.0), 1280, 720).expose(FLAT, 1, 1).max() == 255
 
 

@@ -61,23 +61,23 @@ def test_rates_stamps_and_latency() -> None:
     assert [d.time_ns for d in steps[:2]] == [10_010_000_000, 10_020_000_000]
     odometry = [d.odometry.time_ns for d in steps if d.odometry]
     assert odometry == [10_000_000_000 + 20_000_000 * k for k in range(1, 101)]
-    pictures = [(d.time_ns, p) for d in steps for p in d.pictures]
-    assert len(pictures) == 58  # 60, less those on the way during the last 50 ms
-    for k, (delivered, picture) in enumerate(pictures, start=1):
-        assert picture.index == k
-        assert picture.stamp_ns == 10_000_000_000 + round(k * 1e9 / 30)
-        assert 50_000_000 <= delivered - picture.stamp_ns < 60_000_000
+    images = [(d.time_ns, p) for d in steps for p in d.images]
+    assert len(images) == 58  # 60, less those on the way during the last 50 ms
+    for k, (delivered, image) in enumerate(images, start=1):
+        assert image.index == k
+        assert image.stamp_ns == 10_000_000_000 + round(k * 1e9 / 30)
+        assert 50_000_000 <= delivered - image.stamp_ns < 60_000_000
 
 
-def test_a_picture_shows_the_pose_at_its_stamp() -> None:
+def test_a_image_shows_the_pose_at_its_stamp() -> None:
     simulator = make((-2.0, 0.3, 0.2))
     steps = drive(simulator, 2.0, 0.4, -0.3)
     times = [10.0] + [1e-9 * d.truth.time_ns for d in steps]
     poses = np.array([[-2.0, 0.3, 0.2]] + [d.truth.pose for d in steps])
-    for picture in (p for d in steps for p in d.pictures):
-        expected = [np.interp(1e-9 * picture.stamp_ns, times, poses[:, i]) for i in range(3)]
-        np.testing.assert_allclose(picture.pose, expected, atol=1e-5)
-        assert picture.v <= 0.4 + 1e-9
+    for image in (p for d in steps for p in d.images):
+        expected = [np.interp(1e-9 * image.stamp_ns, times, poses[:, i]) for i in range(3)]
+        np.testing.assert_allclose(image.pose, expected, atol=1e-5)
+        assert image.v <= 0.4 + 1e-9
 
 
 def test_same_seed_same_run() -> None:
@@ -165,19 +165,19 @@ def test_commands_that_are_not_finite_are_counted() -> None:
     assert simulator.refused == 1
 
 
-def test_events_change_the_pictures(camera: Camera) -> None:
+def test_events_change_the_images(camera: Camera) -> None:
     events = [
-        {"at": 0.5, "do": "nan_pictures"},
+        {"at": 0.5, "do": "nan_images"},
         {"at": 1.0, "do": "nan_camera_info"},
         {"at": 1.5, "do": "camera_off"},
-        {"at": 2.0, "do": "good_pictures"},
+        {"at": 2.0, "do": "good_images"},
         {"at": 2.5, "do": "cover", "ids": [0]},
         {"at": 1.0, "do": "odometry_off"},
         {"at": 1.5, "do": "odometry_on"},
     ]
     simulator = make(events=events, camera=camera)
     steps = drive(simulator, 3.0)
-    by_time = {round((p.stamp_ns - 10_000_000_000) / 1e9 * 30): p for d in steps for p in d.pictures}
+    by_time = {round((p.stamp_ns - 10_000_000_000) / 1e9 * 30): p for d in steps for p in d.images}
     assert by_time[10].encoding == "mono8" and by_time[10].camera_info_valid
     nan = by_time[20]
     assert nan.encoding == "32FC1"
@@ -199,9 +199,9 @@ def test_event_by_distance() -> None:
     assert -simulator.truth.pose[0] < 1.5
 
 
-def test_pictures_are_drawn_only_on_request(model: object, camera: Camera) -> None:
-    picture = next(p for d in drive(make(camera=camera), 0.2) for p in d.pictures)
-    assert picture.render().shape == (720, 1280)
-    blind = next(p for d in drive(make(), 0.2) for p in d.pictures)
+def test_images_are_drawn_only_on_request(model: object, camera: Camera) -> None:
+    image = next(p for d in drive(make(camera=camera), 0.2) for p in d.images)
+    assert image.render().shape == (720, 1280)
+    blind = next(p for d in drive(make(), 0.2) for p in d.images)
     with pytest.raises(RuntimeError, match="has no camera model"):
         blind.render()

@@ -1,1 +1,1 @@
-"""Runs, reports and pictures."""
+"""Runs, reports and images."""

@@ -170,10 +170,10 @@ class ObserverParameters:
     )
     gate: float = param(16.3, "", "chi-square gate, 3 degrees of freedom (16.3: 99.9 %)", low=1.0, high=1000.0)
     acquire_odds: float = param(
-        20.0, "", "odds for one of several poses that pictures leave open, before it is believed", low=1.0, high=1e6
+        20.0, "", "odds for one of several poses that images leave open, before it is believed", low=1.0, high=1e6
     )
     calibration_position: float = param(
-        0.001, "m", "what calibration leaves, the same in every picture, standard deviation", low=0.0, high=0.1
+        0.001, "m", "what calibration leaves, the same in every image, standard deviation", low=0.0, high=0.1
     )
     calibration_heading: float = param(0.002, "rad", "the same for the heading", low=0.0, high=0.2)
     scale_sd: float = param(

@@ -12,10 +12,10 @@ namespace seater_perception {
 struct Calibration {
   int width = 0;                 ///< [px]
   int height = 0;                ///< [px]
-  std::array<double, 9> K{};     ///< of the raw picture, row-major 3x3 [px]
-  std::vector<double> D;         ///< of the raw picture; plumb_bob: k1 k2 p1 p2 k3, rational_polynomial: and k4 k5 k6
+  std::array<double, 9> K{};     ///< of the raw image, row-major 3x3 [px]
+  std::vector<double> D;         ///< of the raw image; plumb_bob: k1 k2 p1 p2 k3, rational_polynomial: and k4 k5 k6
   std::string distortion_model;  ///< "plumb_bob" or "rational_polynomial"
-  std::array<double, 12> P{};    ///< of the rectified picture, row-major 3x4 [px]
+  std::array<double, 12> P{};    ///< of the rectified image, row-major 3x4 [px]
 
   bool operator==(const Calibration& other) const;
   bool operator!=(const Calibration& other) const { return !(*this == other); }
@@ -25,9 +25,9 @@ struct Calibration {
 /// coordinates. Formulas: OpenCV's camera model (calib3d documentation), plumb_bob and rational_polynomial.
 class CameraModel {
  public:
-  /// The camera of the raw picture: K and D. Throws CalibrationError.
+  /// The camera of the raw image: K and D. Throws CalibrationError.
   static CameraModel raw(const Calibration& calibration);
-  /// The camera of the rectified picture: the left 3x3 part of P, no distortion. Throws CalibrationError.
+  /// The camera of the rectified image: the left 3x3 part of P, no distortion. Throws CalibrationError.
   static CameraModel rectified(const Calibration& calibration);
 
   /// Pixel of a point in the optical frame [m]; nothing when it is not in front of the camera.

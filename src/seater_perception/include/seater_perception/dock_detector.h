@@ -18,7 +18,7 @@ class Mat;
 
 namespace seater_perception {
 
-/// What one picture shows.
+/// What one image shows.
 struct DetectionResult {
   std::vector<DetectedMarker> markers;  ///< ascending id
   std::vector<DockHypothesis> dock;     ///< most probable first; empty when the dock is not seen
@@ -26,7 +26,7 @@ struct DetectionResult {
   bool full_search = true;              ///< false: only the predicted places were searched
 };
 
-/// Picture in, markers and dock out: all that a user of this library needs. Not thread-safe; use one per thread.
+/// Image in, markers and dock out: all that a user of this library needs. Not thread-safe; use one per thread.
 ///
 ///     DockDetector detector(CameraModel::raw(loadCalibration("camera.yaml")),
 ///                           loadDockLayout(YAML::LoadFile("dock.yaml"), "dock"), PerceptionParameters(),
@@ -38,11 +38,11 @@ class DockDetector {
   DockDetector(const CameraModel& camera, const DockLayout& layout, const PerceptionParameters& parameters,
                const CameraMount& mount);
 
-  /// The picture has to be CV_8UC1 and of the camera's size; every number of the result is finite. Throws PictureError.
+  /// The image has to be CV_8UC1 and of the camera's size; every number of the result is finite. Throws ImageError.
   DetectionResult detect(const cv::Mat& grey) const;
 
-  /// Poses of markers that have been found in this picture, and of the dock. `last`: markers of the picture before, by
-  /// id, where they are expected in this one (their poses, that is): fits begin there. Throws PictureError.
+  /// Poses of markers that have been found in this image, and of the dock. `last`: markers of the image before, by
+  /// id, where they are expected in this one (their poses, that is): fits begin there. Throws ImageError.
   DetectionResult evaluate(const cv::Mat& grey, const std::vector<MarkerCorners>& found,
                            const std::map<int, DetectedMarker>& last = {}) const;
 

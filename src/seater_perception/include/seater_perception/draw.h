@@ -8,7 +8,7 @@
 
 namespace seater_perception {
 
-/// A colour picture (CV_8UC3, bgr) for people: the grey picture with each marker's outline, id and axes (x red, y
+/// A colour image (CV_8UC3, bgr) for people: the grey image with each marker's outline, id and axes (x red, y
 /// green, z blue; a red ring on the print's top left corner), the dock's axes, and on top one line of text for each
 /// marker and the dock, then `lines`.
 cv::Mat annotate(const cv::Mat& grey, const CameraModel& camera, const DockLayout& layout,

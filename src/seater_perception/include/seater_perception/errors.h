@@ -15,8 +15,8 @@ class CalibrationError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A picture that cannot be worked through (empty, wrong type, not of the calibration's size).
-class PictureError : public std::runtime_error {
+/// An image that cannot be worked through (empty, wrong type, not of the calibration's size).
+class ImageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 

@@ -6,7 +6,7 @@
 
 namespace seater_perception {
 
-/// The picture of one printed marker as cells: border and bits, black or white. Beyond it lies the white quiet zone.
+/// The image of one printed marker as cells: border and bits, black or white. Beyond it lies the white quiet zone.
 ///
 /// Columns count from the left, rows from the bottom as the print is read, so that column and row grow with the marker
 /// frame's x and y (dock_layout.h). Cell (0, 0) is the lower left one of the black border.

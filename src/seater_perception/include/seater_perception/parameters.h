@@ -8,7 +8,7 @@
 
 namespace seater_perception {
 
-/// How markers are found in the picture. Every struct here holds default, unit, range and meaning of a value in one
+/// How markers are found in the image. Every struct here holds default, unit, range and meaning of a value in one
 /// place.
 struct DetectorParameters {
   std::string search = "own";
@@ -82,7 +82,7 @@ struct PoseParameters {
   }
 };
 
-/// How markers are followed from picture to picture.
+/// How markers are followed from image to image.
 struct TrackingParameters {
   bool enabled = true;
   int full_search_every = 15;
@@ -92,8 +92,8 @@ struct TrackingParameters {
 
   template <typename Visitor>
   void visit(Visitor& v) {
-    v.boolean("enabled", enabled, "look near the last places first; false: search every picture as a whole");
-    v.integer("full_search_every", full_search_every, "pictures", 1, 100000, "at the latest, the whole is searched");
+    v.boolean("enabled", enabled, "look near the last places first; false: search every image as a whole");
+    v.integer("full_search_every", full_search_every, "images", 1, 100000, "at the latest, the whole is searched");
     v.number("margin", margin, "sides", 0.1, 5.0, "how far round the predicted place is searched");
     v.number("margin_min", margin_min, "px", 2.0, 500.0, "but at least");
     v.number("min_evidence", min_evidence, "", 0.5, 20.0, "how well the grey levels have to fit the expected code");
@@ -107,7 +107,7 @@ struct DiagnosticsParameters {
 
   template <typename Visitor>
   void visit(Visitor& v) {
-    v.number("min_rate", min_rate, "Hz", 0.0, 1000.0, "fewer pictures per second are a warning");
+    v.number("min_rate", min_rate, "Hz", 0.0, 1000.0, "fewer images per second are a warning");
     v.number("max_latency", max_latency, "s", 0.001, 10.0, "a longer way from stamp to publication is a warning");
   }
 };
@@ -130,7 +130,7 @@ struct PerceptionParameters {
     v.group("detector", detector, "how markers are found");
     v.group("pose", pose, "how poses are computed");
     v.group("photometric", photometric, "how poses are fitted to the grey levels");
-    v.group("tracking", tracking, "how markers are followed from picture to picture");
+    v.group("tracking", tracking, "how markers are followed from image to image");
     v.group("diagnostics", diagnostics, "limits for warnings");
   }
 };

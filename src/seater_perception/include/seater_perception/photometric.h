@@ -64,7 +64,7 @@ struct PhotometricStart {
   std::optional<Brightness> brightness;
 };
 
-/// Fits the pose of printed markers to the grey levels of a picture: every pixel near a cell border is compared with
+/// Fits the pose of printed markers to the grey levels of an image: every pixel near a cell border is compared with
 /// the pattern smoothed by pixel area and lens blur, and the weighted squares of the differences are minimised over
 /// pose, brightness and, if wanted, blur (Levenberg-Marquardt, first with Huber's, then with Tukey's weights: Huber,
 /// "Robust Statistics", 1981).
@@ -78,8 +78,8 @@ class PhotometricRefiner {
   ~PhotometricRefiner();
   PhotometricRefiner(PhotometricRefiner&&) noexcept;
 
-  /// `grey` is CV_8UC1 or CV_16UC1 of the camera's size, else PictureError is thrown. `initial` is T_optical_object,
-  /// good to a pixel or a third of a cell, whichever is larger. Whatever is in the picture, the result is finite.
+  /// `grey` is CV_8UC1 or CV_16UC1 of the camera's size, else ImageError is thrown. `initial` is T_optical_object,
+  /// good to a pixel or a third of a cell, whichever is larger. Whatever is in the image, the result is finite.
   PhotometricResult refine(const cv::Mat& grey, const CameraModel& camera,
                            const std::vector<PatternPlacement>& placements, const Eigen::Isometry3d& initial) const;
 

@@ -34,9 +34,9 @@ struct PhotometricParameters {
              "of the blur; pixels farther from every edge are thinned out");
     v.number("margin", margin, "px", 0.0, 10.0, "the same, additionally, for the seed's error");
     v.integer("max_pixels", max_pixels, "", 200, 1000000, "most pixels used of one marker");
-    v.integer("max_iterations", max_iterations, "", 1, 1000, "most evaluations of the picture");
+    v.integer("max_iterations", max_iterations, "", 1, 1000, "most evaluations of the image");
     v.number("tukey", tukey, "standard deviations", 3.0, 20.0, "of the noise; residuals above are outliers");
-    v.number("max_shift", max_shift, "sides", 0.01, 2.0, "a fit that moves a marker farther in the picture has failed");
+    v.number("max_shift", max_shift, "sides", 0.01, 2.0, "a fit that moves a marker farther in the image has failed");
     v.number("min_inlier_share", min_inlier_share, "", 0.1, 1.0, "a fit with fewer inliers has failed");
     v.number("min_contrast", min_contrast, "grey levels", 0.5, 10000.0,
              "a fit with less between black and white has failed");

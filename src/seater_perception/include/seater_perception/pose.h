@@ -14,7 +14,7 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 /// Points of an object and where they were seen.
 struct Correspondences {
   std::vector<Eigen::Vector3d> object;      ///< in the object's frame [m]
-  std::vector<Eigen::Vector2d> pixel;       ///< in the picture [px]
+  std::vector<Eigen::Vector2d> pixel;       ///< in the image [px]
   std::vector<Eigen::Vector2d> normalised;  ///< undistorted (x/z, y/z)
   std::vector<double> sigma;                ///< standard deviation of each of the pixel's coordinates [px]
 

@@ -20,10 +20,10 @@ Placement markerPlacement(const Eigen::Isometry3d& T_optical_marker);
 /// `angle`: heading of the dock's x axis, seen from the camera; 0: along the optical axis, positive: to the left.
 Placement dockPlacement(const Eigen::Isometry3d& T_optical_dock);
 
-/// A table of one picture's markers and of the dock, millimetres and degrees.
+/// A table of one image's markers and of the dock, millimetres and degrees.
 std::string table(const DetectionResult& result);
 
 /// One JSON object: SI units and radians, poses as position and quaternion (x y z w) in the optical frame.
-std::string json(const std::string& picture, const DetectionResult& result, const std::optional<std::string>& drawing);
+std::string json(const std::string& image, const DetectionResult& result, const std::optional<std::string>& drawing);
 
 }  // namespace seater_perception

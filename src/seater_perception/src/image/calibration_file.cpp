@@ -31,8 +31,8 @@ Calibration loadCalibration(const std::string& path) {
   std::vector<std::string> problems;
   StrictReader file(root, path, problems);
   Calibration c;
-  file.integer("image_width", c.width, "px", 1, 100000, "width of the picture");
-  file.integer("image_height", c.height, "px", 1, 100000, "height of the picture");
+  file.integer("image_width", c.width, "px", 1, 100000, "width of the image");
+  file.integer("image_height", c.height, "px", 1, 100000, "height of the image");
   const auto K = readMatrix(file, "camera_matrix", 9, path, problems);
   c.D = readMatrix(file, "distortion_coefficients", 0, path, problems);
   file.choice("distortion_model", c.distortion_model, {"plumb_bob", "rational_polynomial"}, "lens model");

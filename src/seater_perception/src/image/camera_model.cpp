@@ -36,7 +36,7 @@ void requireZero(double value, const char* name, const char* why) {
 void requireLens(int width, int height, double fx, double fy, const char* fx_name, const char* fy_name) {
   std::ostringstream text;
   if (width <= 0 || height <= 0) {
-    text << "picture size is " << width << " x " << height << ", must be positive";
+    text << "image size is " << width << " x " << height << ", must be positive";
   } else if (fx <= 0.0) {
     text << fx_name << " (focal length) is " << fx << ", must be > 0; 0 means that the camera is not calibrated";
   } else if (fy <= 0.0) {

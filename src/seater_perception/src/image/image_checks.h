@@ -8,10 +8,10 @@ namespace seater_perception {
 
 class CameraModel;
 
-/// Throws PictureError unless the picture is CV_8UC1 and not empty.
-void checkPicture(const cv::Mat& grey);
+/// Throws ImageError unless the image is CV_8UC1 and not empty.
+void checkImage(const cv::Mat& grey);
 
-/// As above, and throws PictureError when the picture's size is not the calibration's.
-void checkPicture(const cv::Mat& grey, const CameraModel& camera);
+/// As above, and throws ImageError when the image's size is not the calibration's.
+void checkImage(const cv::Mat& grey, const CameraModel& camera);
 
 }  // namespace seater_perception

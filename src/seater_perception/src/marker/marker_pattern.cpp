@@ -17,12 +17,12 @@ MarkerPattern MarkerPattern::fromDictionary(const std::string& dictionary, int i
     throw ConfigurationError("id: is " + std::to_string(id) + ", must be 0 to " + std::to_string(count - 1) + " in " +
                              dictionary);
   }
-  cv::Mat picture;
-  known->drawMarker(id, known->markerSize + 2, picture, 1);  // one pixel per cell
-  std::vector<std::vector<int>> rows(static_cast<std::size_t>(picture.rows));
-  for (int row = 0; row < picture.rows; ++row) {
-    for (int column = 0; column < picture.cols; ++column) {
-      rows[static_cast<std::size_t>(row)].push_back(picture.at<uchar>(row, column) > 127 ? 1 : 0);
+  cv::Mat image;
+  known->drawMarker(id, known->markerSize + 2, image, 1);  // one pixel per cell
+  std::vector<std::vector<int>> rows(static_cast<std::size_t>(image.rows));
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.cols; ++column) {
+      rows[static_cast<std::size_t>(row)].push_back(image.at<uchar>(row, column) > 127 ? 1 : 0);
     }
   }
   return fromCells(rows);

@@ -4,7 +4,7 @@
 
 namespace seater_perception {
 
-/// A ray of the camera and how it changes over the picture.
+/// A ray of the camera and how it changes over the image.
 struct PixelRay {
   double x = 0.0, y = 0.0;                                        ///< undistorted coordinates x/z, y/z
   double x_by_u = 0.0, x_by_v = 0.0, y_by_u = 0.0, y_by_v = 0.0;  ///< derivatives by the pixel [1/px]

@@ -24,7 +24,7 @@ bool otherBranchOpen(const DetectedMarker& marker, const std::vector<Photometric
                      const std::vector<PoseHypothesis>& hypotheses);
 
 /// The pose found and, for both branches, one so steep that its fit comes down to its own minimum: near the line of
-/// sight the picture hardly changes with the tilt, steps are long, and a fit from there may go over to the other
+/// sight the image hardly changes with the tilt, steps are long, and a fit from there may go over to the other
 /// branch.
 std::vector<Eigen::Isometry3d> steepSeeds(const Eigen::Isometry3d& found);
 

@@ -28,7 +28,7 @@ Blur blurOf(const std::string& name) {
   throw ConfigurationError("photometric/blur: is '" + name + "', must be given, estimated or directed");
 }
 
-/// Largest movement of a marker's corner in the picture [px], and in sides of the marker; infinite when behind the
+/// Largest movement of a marker's corner in the image [px], and in sides of the marker; infinite when behind the
 /// camera.
 double movement(const CameraModel& camera, const Placements& placements, const Eigen::Isometry3d& a,
                 const Eigen::Isometry3d& b, double& sides) {
@@ -84,11 +84,11 @@ void conclude(const CameraModel& camera, const Placements& placements, const Pho
   result.brightness = fit.state.brightness;
 }
 
-void requirePicture(const cv::Mat& grey, const CameraModel& camera) {
-  if (grey.type() != CV_8UC1 && grey.type() != CV_16UC1) throw PictureError("picture: must be CV_8UC1 or CV_16UC1");
+void requireImage(const cv::Mat& grey, const CameraModel& camera) {
+  if (grey.type() != CV_8UC1 && grey.type() != CV_16UC1) throw ImageError("image: must be CV_8UC1 or CV_16UC1");
   if (grey.cols != camera.width() || grey.rows != camera.height()) {
-    throw PictureError("picture: is " + std::to_string(grey.cols) + " x " + std::to_string(grey.rows) + ", must be " +
-                       std::to_string(camera.width()) + " x " + std::to_string(camera.height()));
+    throw ImageError("image: is " + std::to_string(grey.cols) + " x " + std::to_string(grey.rows) + ", must be " +
+                     std::to_string(camera.width()) + " x " + std::to_string(camera.height()));
   }
 }
 
@@ -157,13 +157,13 @@ struct PhotometricRefiner::Workspace {
                                   const ClipRange& range);
 };
 
-/// A drawn picture may have no grey level between black and white, both at the sensor's ends. To say that all of it is
+/// A drawn image may have no grey level between black and white, both at the sensor's ends. To say that all of it is
 /// clipped explains it best, and tells nothing of the pose: then without clipping.
 std::vector<SeedFit> PhotometricRefiner::Workspace::fitAll(const PhotometricParameters& parameters, const cv::Mat& grey,
                                                            const CameraModel& camera, const Placements& placements,
                                                            const std::vector<Eigen::Isometry3d>& seeds,
                                                            const PhotometricStart& start) {
-  requirePicture(grey, camera);
+  requireImage(grey, camera);
   const double limit = parameters.saturation > 0.0 ? parameters.saturation : grey.depth() == CV_16U ? 65535.0 : 255.0;
   auto fits = fitClipped(parameters, grey, camera, placements, seeds, start, {0.0, limit});
   const bool blind = std::any_of(fits.begin(), fits.end(), [](const SeedFit& fit) { return fit.failed && fit.blind; });

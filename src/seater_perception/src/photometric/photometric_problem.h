@@ -40,7 +40,7 @@ class PhotometricProblem {
   /// Robust standard deviation of the last evaluation's residuals, from this quantile (0.5 or 0.25) of |residual|; 0
   /// when there are fewer than 30.
   double spread(double quantile) const;
-  /// The same of the picture's noise alone, from the steps between neighbours within cells; clipped ones tell nothing.
+  /// The same of the image's noise alone, from the steps between neighbours within cells; clipped ones tell nothing.
   double flatNoise() const;
   /// Whether there are enough such steps.
   bool tellsNoise() const;

@@ -11,7 +11,7 @@
 namespace seater_perception {
 namespace {
 
-// Part of the picture's variance that the pattern has to explain: a small marker has to be proved by it, a large one
+// Part of the image's variance that the pattern has to explain: a small marker has to be proved by it, a large one
 // has been read bit by bit and may be partly covered.
 constexpr double kExplainedSmall = 0.9, kExplainedLarge = 0.85;
 constexpr double kLargeSide = 40.0;                         // [px]
@@ -27,7 +27,7 @@ constexpr double kLargestGap = 0.3;       // [px] rms, between a marker's own co
 
 /// Grey levels that the sensor could have seen, and a blur that leaves cells to be told apart.
 bool plausible(const PhotometricResult& result, double side, int cells, double full_scale) {
-  // Where the picture is clipped, the sensor does not know how dark or light it would have been.
+  // Where the image is clipped, the sensor does not know how dark or light it would have been.
   const auto beyond = [full_scale](double clipped) { return (clipped > kClipped ? 1.0 : kBeyondScale) * full_scale; };
   const double least = -beyond(result.clipped_low), most = full_scale + beyond(result.clipped_high);
   for (const Brightness& b : result.brightness) {

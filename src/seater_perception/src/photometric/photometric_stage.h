@@ -29,13 +29,13 @@ class PatternBook {
 /// `followed`: the marker is an expectedMarker, whose poses, blur and brightness are near. Then false also when
 /// residuals look as if the model did not hold: to be done again from its edges.
 ///
-/// False, and the marker unchanged, when no fit converged or the pattern does not explain the picture.
+/// False, and the marker unchanged, when no fit converged or the pattern does not explain the image.
 bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const MarkerPattern& pattern,
                            const PhotometricRefiner& refiner, const PosePrior& prior, const PoseParameters& parameters,
                            DetectedMarker& marker, bool followed = false);
 
 /// One joint fit of the dock's pose over the markers of each hypothesis that rests on more than one. A hypothesis is
-/// left as it is when the fit does not converge, or explains the picture worse than the corners' accuracy allows:
+/// left as it is when the fit does not converge, or explains the image worse than the corners' accuracy allows:
 /// prints that hang some pixels beside their places.
 void refineBundle(const cv::Mat& grey, const CameraModel& camera, PatternBook& patterns,
                   const PhotometricRefiner& refiner, const DockLayout& layout, const Eigen::Vector3d& up,

@@ -17,12 +17,12 @@ constexpr double kShrink = 0.6, kShrinkTukey = 4.0;
 constexpr double kLargestStretch = 1.3;
 // The largest scale of the loss: over the noise of flat pixels, and what lens, sharpening and print may add at edges.
 constexpr double kLargestScale = 3.0, kModelError = 0.03;  // [noise], [contrast]
-constexpr double kSmallestModelError = 0.015;              // [contrast] of pictures drawn without blur
+constexpr double kSmallestModelError = 0.015;              // [contrast] of images drawn without blur
 constexpr double kUnknownNoise = 10.0;  // [grey levels] scale of the first step where no pixel is flat
 constexpr double kWildScale = 1e4;      // of the first look, when nothing is known of the residuals
 constexpr int kFewPixels = 600;         // no first look for so few
 constexpr double kHopeless = 7.5;       // of the loss in the first look, over the noise's variance
-constexpr double kSeen = 0.5;           // of the pixels: fewer tell that clipping explains the picture
+constexpr double kSeen = 0.5;           // of the pixels: fewer tell that clipping explains the image
 constexpr double kClippedEnd = 0.004;   // of the range: what counts as its end
 constexpr double kSameTurn = 0.01;      // [rad] the same
 constexpr double kSame = 0.25;          // squared distance of two fits' poses, in standard deviations of the first look
@@ -73,7 +73,7 @@ bool SeedFit::descend(PhotometricProblem& problem, RobustLoss loss, double tukey
 }
 
 void SeedFit::approach(PhotometricProblem& problem) {
-  if (problem.pixels() < kFewestEdgePixels) return fail("too few pixels in the picture");
+  if (problem.pixels() < kFewestEdgePixels) return fail("too few pixels in the image");
   problem.startBrightness(state);
   budget_ = parameters_->max_iterations;
   // What the residuals are like is not known before the first look.
@@ -93,14 +93,14 @@ void SeedFit::approach(PhotometricProblem& problem) {
 }
 
 void SeedFit::start(PhotometricProblem& problem) {
-  if (problem.pixels() < kFewestEdgePixels) return fail("too few pixels in the picture");
+  if (problem.pixels() < kFewestEdgePixels) return fail("too few pixels in the image");
   problem.startBrightness(state);
   const double noise = problem.flatNoise();
   scale_ = noise > 0.0 ? kLargestScale * std::max(kQuantisation, noise) : kUnknownNoise;
 }
 
 void SeedFit::start(PhotometricProblem& problem, const Brightness& known, const SeedFit* other) {
-  if (problem.pixels() < kFewestEdgePixels) return fail("too few pixels in the picture");
+  if (problem.pixels() < kFewestEdgePixels) return fail("too few pixels in the image");
   const double noise = problem.flatNoise();
   scale_ = noise > 0.0 ? kLargestScale * std::max(kQuantisation, noise) : kUnknownNoise;
   scale_guessed_ = true;
@@ -119,7 +119,7 @@ double SeedFit::contrast() const {
   return largest;
 }
 
-/// A picture without noise is not without model error.
+/// An image without noise is not without model error.
 double SeedFit::smallestScale() const {
   return std::max(kQuantisation, kSmallestModelError * contrast());
 }
@@ -133,7 +133,7 @@ void SeedFit::boundScale(const PhotometricProblem& problem) {
 }
 
 void SeedFit::firstLook(PhotometricProblem& problem) {
-  if (problem.pixels() < kFewestEdgePixels) return fail("too few pixels in the picture");
+  if (problem.pixels() < kFewestEdgePixels) return fail("too few pixels in the image");
   boundScale(problem);
   budget_ = kLookBudget;
   const double part = problem.pixels() < kFewPixels ? 1.0 : kPartOfFirstLook;
@@ -147,7 +147,7 @@ bool SeedFit::clearlyWorseThan(const SeedFit& other) const {
   return look_cost_ - other.look_cost_ > kHopeless * scale * scale;
 }
 
-/// Where two minima lie near to each other the picture hardly changes between them: their angle has to be small too.
+/// Where two minima lie near to each other the image hardly changes between them: their angle has to be small too.
 bool SeedFit::sameAs(const SeedFit& other, const PhotometricProblem& problem) const {
   if (Eigen::AngleAxisd(look_pose_.linear().transpose() * other.look_pose_.linear()).angle() > kSameTurn) return false;
   return problem.distance(look_pose_, other.look_pose_) < kSame * scale_ * scale_;
@@ -188,7 +188,7 @@ void SeedFit::judge(const PhotometricProblem& problem) {
     result.reduced_chi_square = problem.loss(own).cost / (expected * (sums.all - problem.unknowns()) * sd * sd);
   }
   const auto inverse = problem.inversePoseInformation();
-  if (!inverse) return fail("degenerate picture");
+  if (!inverse) return fail("degenerate image");
   const double mean_slope = std::max(0.1, sums.slopes / sums.inliers);
   const double variance = std::max(floor, sums.psi2 / freedom) / (mean_slope * mean_slope);
   result.covariance = variance * sums.weights / sums.inliers * *inverse;

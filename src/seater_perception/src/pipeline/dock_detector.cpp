@@ -42,7 +42,7 @@ DockDetector::DockDetector(const CameraModel& camera, const DockLayout& layout, 
       patterns_(layout.dictionary) {}
 
 DetectionResult DockDetector::detect(const cv::Mat& grey) const {
-  checkPicture(grey, camera_);
+  checkImage(grey, camera_);
   return evaluate(grey, detector_.detect(grey));
 }
 
@@ -56,10 +56,10 @@ std::optional<DetectedMarker> DockDetector::expected(const MarkerCorners& found,
   return usable ? marker : std::nullopt;
 }
 
-DetectionResult DockDetector::evaluate(const cv::Mat& picture, const std::vector<MarkerCorners>& found,
+DetectionResult DockDetector::evaluate(const cv::Mat& image, const std::vector<MarkerCorners>& found,
                                        const std::map<int, DetectedMarker>& last) const {
-  checkPicture(picture, camera_);
-  const cv::Mat grey = withoutShadows(picture, found);
+  checkImage(image, camera_);
+  const cv::Mat grey = withoutShadows(image, found);
   DetectionResult result;
   std::set<int> followed;
   for (const MarkerCorners& corners : found) {

@@ -9,8 +9,8 @@ namespace seater_perception {
 namespace {
 
 constexpr double kSmallCell = 8.0;     // [px] up to here, the code's corners are near enough to begin a fit
-constexpr int kShadowsEvery = 4;       // [pictures] without markers: strong shadows are looked for so often
-constexpr double kReachByDock = 0.17;  // [sides] one cell: for markers that were not seen in the last picture
+constexpr int kShadowsEvery = 4;       // [images] without markers: strong shadows are looked for so often
+constexpr double kReachByDock = 0.17;  // [sides] one cell: for markers that were not seen in the last image
 
 double sideOf(const std::array<Eigen::Vector2d, 4>& corners) {
   MarkerCorners marker;
@@ -84,7 +84,7 @@ std::vector<MarkerCorners> DockTracker::follow(const cv::Mat& grey, const std::m
     const auto is_it = [wanted](const DetectedMarker& m) { return m.image.id == wanted; };
     const auto last = std::find_if(last_.markers.begin(), last_.markers.end(), is_it);
     e.by_outline = last != last_.markers.end();
-    // What the dock's pose alone tells is exact, or not worth a longer look in every picture.
+    // What the dock's pose alone tells is exact, or not worth a longer look in every image.
     const double side = sideOf(corners);
     e.reach = e.by_outline ? std::max(parameters_.margin_min, parameters_.margin * side) : kReachByDock * side;
     if (e.by_outline) {
@@ -112,7 +112,7 @@ std::map<int, DetectedMarker> DockTracker::lastMarkers(const std::optional<Eigen
 }
 
 DetectionResult DockTracker::detect(const cv::Mat& grey, const std::optional<Eigen::Isometry3d>& T_now_last) {
-  checkPicture(grey, detector_.camera());
+  checkImage(grey, detector_.camera());
   auto predicted = parameters_.enabled ? predict(T_now_last) : std::map<int, Corners>();
   DetectionResult result;
   result.full_search = true;

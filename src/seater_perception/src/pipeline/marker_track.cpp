@@ -11,7 +11,7 @@ namespace seater_perception {
 namespace {
 
 constexpr double kCornerSd = 0.1;       // [px] of the code's corners
-constexpr double kTurnSd = 0.02;        // [rad] from picture to picture, about each axis
+constexpr double kTurnSd = 0.02;        // [rad] from image to image, about each axis
 constexpr int kSteps = 2;               // Gauss-Newton: the poses are near
 constexpr double kSmallestTilt = 0.15;  // [rad] between the normal and the line of sight, and in standard deviations,
 constexpr double kTiltSds = 2.0;        // from which on a decision for one of the two tilts holds

@@ -7,11 +7,11 @@
 
 namespace seater_perception {
 
-/// A marker of the last picture as a guess of what it looks like in this one, where its code was found at `seen`.
+/// A marker of the last image as a guess of what it looks like in this one, where its code was found at `seen`.
 ///
-/// Each pose is moved so that its corners come to those of the code, but turned no more than a picture's time allows:
+/// Each pose is moved so that its corners come to those of the code, but turned no more than an image's time allows:
 /// small markers keep their tilt, large ones follow their corners. A single pose gets its mirror image about the line
-/// of sight beside it, unless both are so far apart that the last picture's decision still holds. What else is carried
+/// of sight beside it, unless both are so far apart that the last image's decision still holds. What else is carried
 /// on is the blur, where `seen` tells none. Covariances stay; chi_squared is 0. Nothing when a corner cannot be
 /// projected.
 std::optional<DetectedMarker> expectedMarker(const CameraModel& camera, const DetectedMarker& last,

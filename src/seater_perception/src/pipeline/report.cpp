@@ -90,8 +90,8 @@ std::string table(const DetectionResult& result) {
   return text;
 }
 
-std::string json(const std::string& picture, const DetectionResult& result, const std::optional<std::string>& drawing) {
-  std::string text = "{\"picture\": " + quoted(picture) + ", \"markers\": [";
+std::string json(const std::string& image, const DetectionResult& result, const std::optional<std::string>& drawing) {
+  std::string text = "{\"image\": " + quoted(image) + ", \"markers\": [";
   for (std::size_t i = 0; i < result.markers.size(); ++i) text += (i ? ", " : "") + jsonMarker(result.markers[i]);
   text += "], \"dock\": [";
   for (std::size_t i = 0; i < result.dock.size(); ++i) {

@@ -8,7 +8,7 @@
 namespace seater_perception {
 namespace {
 
-/// A marker of the dock as one picture shows it.
+/// A marker of the dock as one image shows it.
 struct Sighting {
   const DetectedMarker* seen;
   const DockMarker* place;

@@ -13,7 +13,7 @@ struct DockHypothesis : PoseHypothesis {
   std::vector<int> marker_ids;  ///< whose corners went into it, ascending
 };
 
-/// Pose of the dock from its markers in one picture, most probable first; several when the picture does not decide.
+/// Pose of the dock from its markers in one image, most probable first; several when the image does not decide.
 ///
 /// "lowest_id": the visible marker with the lowest id alone. "bundle": all corners of all visible markers, refined
 /// together; a marker that contradicts the others (wrong place, wrong id) is left out as long as at least two others

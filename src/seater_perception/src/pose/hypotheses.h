@@ -41,7 +41,7 @@ void weigh(std::vector<PoseHypothesis>& hypotheses, std::size_t corners, const P
 double tiltCost(const PoseHypothesis& hypothesis, const PosePrior& prior, double tilt_sigma);
 
 /// Covariance about the first one's pose of all hypotheses together (second moment of the mixture by their weights):
-/// what a single published pose has to say while the picture has not decided.
+/// what a single published pose has to say while the image has not decided.
 template <typename Hypothesis>
 Matrix6d mixtureCovariance(const std::vector<Hypothesis>& hypotheses) {
   Matrix6d covariance = Matrix6d::Zero();

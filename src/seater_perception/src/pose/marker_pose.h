@@ -10,11 +10,11 @@ namespace seater_perception {
 
 /// A marker whose pose is known: what is published of it.
 struct DetectedMarker {
-  MarkerCorners image;                     ///< id and corners in the picture
+  MarkerCorners image;                     ///< id and corners in the image
   double size = 0.0;                       ///< side of the print [m]
   std::vector<PoseHypothesis> hypotheses;  ///< of T_optical_marker: one or two, most probable first
   double ambiguity = 0.0;                  ///< error of the first / error of the second; 0 when there is no second one
-  bool branch_known = false;               ///< other markers or pictures tell which of the two poses it is
+  bool branch_known = false;               ///< other markers or images tell which of the two poses it is
 
   const PoseHypothesis& best() const { return hypotheses.front(); }
   /// Covariance of best().pose for those who see no other hypothesis: covers all of them.

@@ -1,5 +1,5 @@
 // Written out here because OpenCV's SOLVEPNP_IPPE_SQUARE returns wrong rotation vectors for exactly frontal markers
-// (half a turn about an axis in the picture) and NaN where rounding makes the argument of one of its square roots
+// (half a turn about an axis in the image) and NaN where rounding makes the argument of one of its square roots
 // negative.
 
 #include <Eigen/Geometry>
@@ -13,7 +13,7 @@
 namespace seater_perception {
 namespace {
 
-/// From the square -1 .. 1 to the picture; `seen` are the images of (-1, 1), (1, 1), (1, -1), (-1, -1).
+/// From the square -1 .. 1 to the image; `seen` are the images of (-1, 1), (1, 1), (1, -1), (-1, -1).
 bool homography(const std::vector<Eigen::Vector2d>& seen, Eigen::Matrix3d& H) {
   static const double x[] = {-1.0, 1.0, 1.0, -1.0}, y[] = {1.0, 1.0, -1.0, -1.0};
   Eigen::Matrix<double, 8, 8> A = Eigen::Matrix<double, 8, 8>::Zero();
@@ -66,7 +66,7 @@ std::vector<Eigen::Isometry3d> squareSolutions(const Correspondences& corners) {
   std::vector<Eigen::Isometry3d> solutions;
   Eigen::Matrix3d H;
   if (corners.size() != 4 || !homography(corners.normalised, H)) return solutions;
-  // The picture of the square's middle, and how the picture changes about it.
+  // The image of the square's middle, and how the image changes about it.
   const Eigen::Vector2d v = H.block<2, 1>(0, 2);
   const Eigen::Matrix2d J = H.topLeftCorner<2, 2>() - v * H.block<1, 2>(2, 0);
   const Eigen::Matrix3d Rv = fromOpticalAxis(v.homogeneous().normalized());

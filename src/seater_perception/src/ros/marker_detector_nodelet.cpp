@@ -21,7 +21,7 @@
 
 namespace seater_perception {
 
-/// Pictures to detections: only converts messages and parameters; DockTracker does the work. Topics:
+/// Images to detections: only converts messages and parameters; DockTracker does the work. Topics:
 /// docs/perception.md.
 ///
 /// Threads: everything runs in the nodelet's single-threaded queue, but for TF, whose buffer has its own lock; the
@@ -105,20 +105,20 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     });
   }
 
-  /// A picture that cannot be worked through is reported and leaves no trace in the outputs.
+  /// An image that cannot be worked through is reported and leaves no trace in the outputs.
   template <typename Work>
   void guarded(const Work& work) {
     const Clock::time_point begin = Clock::now();
     try {
       work(begin);
     } catch (const std::exception& error) {
-      if (odometry_) odometry_->reset();  // its last picture is no longer the tracker's
+      if (odometry_) odometry_->reset();  // its last image is no longer the tracker's
       diagnostics_->failed(error.what());
-      NODELET_ERROR_THROTTLE(1.0, "picture not used: %s", error.what());
+      NODELET_ERROR_THROTTLE(1.0, "image not used: %s", error.what());
     }
   }
 
-  /// The calibration comes with every picture; the model is made anew only when it differs.
+  /// The calibration comes with every image; the model is made anew only when it differs.
   void followCalibration(const sensor_msgs::CameraInfo& info) {
     const Calibration calibration = toCalibration(info);
     if (detector_ && calibration == calibration_) return;
@@ -130,7 +130,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     calibration_ = calibration;
   }
 
-  /// The next picture has nothing to do with the last one.
+  /// The next image has nothing to do with the last one.
   void forget() {
     if (detector_) detector_->reset();
     if (odometry_) odometry_->reset();
@@ -166,8 +166,8 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
                         double latency, double processing_time) {
     char line[120];
     std::snprintf(line, sizeof(line), "latency %.0f ms, processing %.1f ms", 1e3 * latency, 1e3 * processing_time);
-    const cv::Mat picture = annotate(grey, detector_->detector().camera(), parameters_.dock, result, {line});
-    annotated_.publish(cv_bridge::CvImage(header, "bgr8", picture).toImageMsg());
+    const cv::Mat image = annotate(grey, detector_->detector().camera(), parameters_.dock, result, {line});
+    annotated_.publish(cv_bridge::CvImage(header, "bgr8", image).toImageMsg());
   }
 
   using Synchroniser = message_filters::TimeSynchronizer<sensor_msgs::CompressedImage, sensor_msgs::CameraInfo>;
@@ -188,7 +188,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   tf2_ros::Buffer tf_buffer_;
   std::unique_ptr<tf2_ros::TransformListener> transforms_;  // fills the buffer from a thread of its own
   std::unique_ptr<OdometryMotion> odometry_;                // nothing when there is no odometry to look up
-  ros::Time last_stamp_;                                    // of the last picture
+  ros::Time last_stamp_;                                    // of the last image
   std::string last_frame_;
 };
 

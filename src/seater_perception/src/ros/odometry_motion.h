@@ -9,19 +9,19 @@
 
 namespace seater_perception {
 
-/// How the camera moved between two pictures, by the odometry that TF holds. Never waits: what TF does not know when a
-/// picture is here is not used. Remembers the last picture's stamp; not thread-safe (the buffer is).
+/// How the camera moved between two images, by the odometry that TF holds. Never waits: what TF does not know when an
+/// image is here is not used. Remembers the last image's stamp; not thread-safe (the buffer is).
 class OdometryMotion {
  public:
   /// `odometry_frame`: continuous frame (`odom`). The buffer has to outlive this.
   OdometryMotion(const tf2::BufferCore& buffer, std::string odometry_frame);
 
-  /// To be called for each picture: pose of the last picture's optical frame in this one's (T_now_last), looked up at
-  /// both pictures' own stamps. Nothing for the first picture, another optical frame, a stamp that is not later, and
+  /// To be called for each image: pose of the last image's optical frame in this one's (T_now_last), looked up at
+  /// both images' own stamps. Nothing for the first image, another optical frame, a stamp that is not later, and
   /// when TF does not reach from one to the other.
   std::optional<Eigen::Isometry3d> next(const std::string& optical_frame, const ros::Time& stamp);
 
-  /// The next picture is a first one.
+  /// The next image is a first one.
   void reset() { last_stamp_ = ros::Time(); }
 
  private:

@@ -23,21 +23,21 @@ Diagnostics::Diagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& p
     : parameters_(parameters), updater_(handle, private_handle, name) {
   updater_.setHardwareID("camera");
   updater_.add("marker detection", this, &Diagnostics::report);
-  // Wall time: a paused simulation must not silence it. The nodelet's own queue calls it, so nothing runs beside a
-  // picture.
+  // Wall time: a paused simulation must not silence it. The nodelet's own queue calls it, so nothing runs beside an
+  // image.
   timer_ =
       handle.createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { updater_.force_update(); });
 }
 
-void Diagnostics::published(const PictureReport& picture) {
-  latency_.push_back(picture.latency);
-  processing_.push_back(picture.processing_time);
-  seen_ += picture.dock_seen ? 1 : 0;
-  full_searches_ += picture.full_search ? 1 : 0;
-  odometry_ += picture.odometry ? 1 : 0;
-  ambiguous_ += picture.ambiguous ? 1 : 0;
-  total_full_searches_ += picture.full_search ? 1 : 0;
-  ++total_pictures_;
+void Diagnostics::published(const ImageReport& image) {
+  latency_.push_back(image.latency);
+  processing_.push_back(image.processing_time);
+  seen_ += image.dock_seen ? 1 : 0;
+  full_searches_ += image.full_search ? 1 : 0;
+  odometry_ += image.odometry ? 1 : 0;
+  ambiguous_ += image.ambiguous ? 1 : 0;
+  total_full_searches_ += image.full_search ? 1 : 0;
+  ++total_images_;
 }
 
 void Diagnostics::failed(const std::string& reason) {
@@ -55,7 +55,7 @@ void Diagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   } else if (errors_ > 0) {
     status.summary(DiagnosticStatus::ERROR, last_error_);
   } else if (rate < parameters_.min_rate) {
-    status.summary(DiagnosticStatus::WARN, "too few pictures");
+    status.summary(DiagnosticStatus::WARN, "too few images");
   } else if (largest(latency_) > parameters_.max_latency) {
     status.summary(DiagnosticStatus::WARN, "late");
   } else {
@@ -67,12 +67,12 @@ void Diagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("latency, stamp to publication, largest [ms]", 1e3 * largest(latency_));
   status.add("largest latency allowed [ms]", 1e3 * parameters_.max_latency);
   status.add("processing time, median [ms]", 1e3 * median(processing_));
-  status.add("pictures with the dock", seen_);
-  status.add("pictures with two poses of the dock", ambiguous_);
-  status.add("pictures with odometry", odometry_);
+  status.add("images with the dock", seen_);
+  status.add("images with two poses of the dock", ambiguous_);
+  status.add("images with odometry", odometry_);
   status.add("full searches", full_searches_);
   status.add("errors", errors_);
-  status.add("pictures since start", total_pictures_);
+  status.add("images since start", total_images_);
   status.add("full searches since start", total_full_searches_);
   status.add("errors since start", total_errors_);
   status.add("last error", last_error_);

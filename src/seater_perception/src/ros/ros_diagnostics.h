@@ -10,12 +10,12 @@
 
 namespace seater_perception {
 
-/// What one picture came to.
-struct PictureReport {
+/// What one image came to.
+struct ImageReport {
   double latency = 0.0;          ///< [s] stamp to publication
   double processing_time = 0.0;  ///< [s]
   bool dock_seen = false;
-  bool full_search = false;  ///< the whole picture was searched
+  bool full_search = false;  ///< the whole image was searched
   bool odometry = false;     ///< TF told how the camera moved
   bool ambiguous = false;    ///< more than one pose of the dock went out
 };
@@ -26,7 +26,7 @@ class Diagnostics {
   Diagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, const std::string& name,
               const DiagnosticsParameters& parameters);
 
-  void published(const PictureReport& picture);
+  void published(const ImageReport& image);
   void failed(const std::string& reason);
   void setListening(bool listening) { listening_ = listening; }
 
@@ -41,7 +41,7 @@ class Diagnostics {
   // Since the last report, and (total_) since the start:
   std::vector<double> latency_, processing_;
   int seen_ = 0, full_searches_ = 0, odometry_ = 0, ambiguous_ = 0, errors_ = 0;
-  long total_pictures_ = 0, total_full_searches_ = 0, total_errors_ = 0;
+  long total_images_ = 0, total_full_searches_ = 0, total_errors_ = 0;
   std::string last_error_;
 };
 

@@ -4,19 +4,19 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "seater_perception/errors.h"
-#include "seater_perception/grey_picture.h"
+#include "seater_perception/grey_image.h"
 
 namespace seater_perception {
 
 Calibration toCalibration(const sensor_msgs::CameraInfo& info) {
   if (info.binning_x > 1 || info.binning_y > 1) {
-    throw CalibrationError("camera_info has binning, which is not supported; give the pictures' own calibration");
+    throw CalibrationError("camera_info has binning, which is not supported; give the images' own calibration");
   }
   const auto& roi = info.roi;
   const bool whole = (roi.width == 0 || roi.width == info.width) && (roi.height == 0 || roi.height == info.height);
   if (!whole || roi.x_offset != 0 || roi.y_offset != 0) {
     throw CalibrationError(
-        "camera_info has a region of interest, which is not supported; give the pictures' own calibration");
+        "camera_info has a region of interest, which is not supported; give the images' own calibration");
   }
   Calibration c;
   c.width = static_cast<int>(info.width);
@@ -29,19 +29,19 @@ Calibration toCalibration(const sensor_msgs::CameraInfo& info) {
 }
 
 cv::Mat toGrey(const sensor_msgs::Image& message) {
-  RawPicture picture;
-  picture.encoding = message.encoding;
-  picture.width = static_cast<int>(message.width);
-  picture.height = static_cast<int>(message.height);
-  picture.step = message.step;
-  picture.big_endian = message.is_bigendian != 0;
-  picture.data = message.data.data();
-  picture.size = message.data.size();
-  return toGrey(picture);
+  RawImage image;
+  image.encoding = message.encoding;
+  image.width = static_cast<int>(message.width);
+  image.height = static_cast<int>(message.height);
+  image.step = message.step;
+  image.big_endian = message.is_bigendian != 0;
+  image.data = message.data.data();
+  image.size = message.data.size();
+  return toGrey(image);
 }
 
 cv::Mat toGrey(const sensor_msgs::CompressedImage& message) {
-  if (message.data.empty()) throw PictureError("the compressed picture is empty");
+  if (message.data.empty()) throw ImageError("the compressed image is empty");
   cv::Mat grey;  // of 8 bits, or (PNG) 16
   try {
     grey = cv::imdecode(message.data, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
@@ -50,7 +50,7 @@ cv::Mat toGrey(const sensor_msgs::CompressedImage& message) {
   }
   if (grey.depth() == CV_16U && !grey.empty()) grey = reduceTo8Bits(grey);
   if (grey.empty() || grey.type() != CV_8UC1) {
-    throw PictureError("the compressed picture ('" + message.format + "') cannot be decoded");
+    throw ImageError("the compressed image ('" + message.format + "') cannot be decoded");
   }
   return grey;
 }

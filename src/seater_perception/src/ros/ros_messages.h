@@ -12,12 +12,12 @@
 
 namespace seater_perception {
 
-/// Throws CalibrationError for binning and for a region of interest smaller than the picture (K would not fit the
-/// picture).
+/// Throws CalibrationError for binning and for a region of interest smaller than the image (K would not fit the
+/// image).
 Calibration toCalibration(const sensor_msgs::CameraInfo& info);
 
-/// The picture in grey, CV_8UC1; shares the message's memory where it can, so the message has to outlive it. Both throw
-/// PictureError.
+/// The image in grey, CV_8UC1; shares the message's memory where it can, so the message has to outlive it. Both throw
+/// ImageError.
 cv::Mat toGrey(const sensor_msgs::Image& message);
 cv::Mat toGrey(const sensor_msgs::CompressedImage& message);
 

@@ -29,7 +29,7 @@ void readBoolean(const ros::NodeHandle& handle, const std::string& key, bool req
   XmlRpcValue found;
   const std::string name = handle.resolveName(key);
   if (!handle.getParam(key, found)) {
-    if (required) throw ConfigurationError(name + ": is missing, must be true (rectified pictures) or false (raw)");
+    if (required) throw ConfigurationError(name + ": is missing, must be true (rectified images) or false (raw)");
     return;
   }
   if (found.getType() != XmlRpcValue::TypeBoolean) {

@@ -14,7 +14,7 @@ struct NodeParameters {
   DockLayout dock;                  ///< ~dock: a file of config/docks
   PerceptionParameters perception;  ///< ~perception: config/perception.yaml
   CameraMount mount;                ///< ~chair/camera (config/chair.yaml)
-  bool rectified = false;           ///< ~rectified: pictures are rectified (P) or raw (K, D); required
+  bool rectified = false;           ///< ~rectified: images are rectified (P) or raw (K, D); required
   std::string image_transport;      ///< ~image_transport: raw (default) or compressed
   std::string odometry_frame;       ///< ~odometry_frame: TF frame of the odometry; empty (default): without odometry
   bool lazy = true;                 ///< ~lazy: subscribe to the camera only while someone listens

@@ -91,59 +91,57 @@ struct MarkerDetector::Implementation {
   std::set<int> ids;
 
   std::vector<MarkerCorners> search(const cv::Mat& grey, std::set<int>* doubtful, bool strong_shadows) const;
-  std::vector<MarkerCorners> byOwnSearch(const PictureLevels& picture, const cv::Rect& region,
-                                         bool strong_shadows) const;
-  std::optional<MarkerCorners> inShadow(const PictureLevels& picture, const Quad& quad,
+  std::vector<MarkerCorners> byOwnSearch(const ImageLevels& image, const cv::Rect& region, bool strong_shadows) const;
+  std::optional<MarkerCorners> inShadow(const ImageLevels& image, const Quad& quad,
                                         const std::optional<PatternReading>& so_far) const;
-  std::optional<MarkerCorners> outlineNear(const PictureLevels& picture, const ExpectedMarker& expected) const;
+  std::optional<MarkerCorners> outlineNear(const ImageLevels& image, const ExpectedMarker& expected) const;
   std::optional<FittedEdges> edges(const cv::Mat& grey, const MarkerCorners& marker) const;
   void refine(const cv::Mat& grey, MarkerCorners& marker) const;
 };
 
 /// `strong_shadows`: instead, only what the edge of a shadow lies across, even of a strong one.
-std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const PictureLevels& picture,
-                                                                       const cv::Rect& region,
+std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const ImageLevels& image, const cv::Rect& region,
                                                                        bool strong_shadows) const {
   QuadSearch search;
   search.window = (strong_shadows ? kNarrowWindow : parameters.search_window) | 1;
   search.constant = parameters.search_constant;
   search.min_side = parameters.min_side;
   std::vector<MarkerCorners> markers;
-  for (Quad quad : findQuads(picture.grey()(region), search)) {
+  for (Quad quad : findQuads(image.grey()(region), search)) {
     for (auto& corner : quad) corner += Eigen::Vector2d(region.x, region.y);
     std::optional<PatternReading> reading;
-    if (!strong_shadows) reading = reader.read(picture, quad, parameters.min_evidence);
-    std::optional<MarkerCorners> marker = inShadow(picture, reading ? reading->corners : quad, reading);
+    if (!strong_shadows) reading = reader.read(image, quad, parameters.min_evidence);
+    std::optional<MarkerCorners> marker = inShadow(image, reading ? reading->corners : quad, reading);
     if (!marker && reading) marker = cornersOf(*reading);
     if (marker && marker->side() >= parameters.min_side) markers.push_back(*marker);
   }
   return markers;
 }
 
-/// All of the picture.
+/// All of the image.
 std::vector<MarkerCorners> MarkerDetector::Implementation::search(const cv::Mat& grey, std::set<int>* doubtful,
                                                                   bool strong_shadows) const {
   if (parameters.search != "own") return uniqueMarkers(searchByOpenCv(grey, dictionary, ids, parameters), doubtful);
   const cv::Rect all(0, 0, grey.cols, grey.rows);
-  const PictureLevels picture(grey);
-  std::vector<MarkerCorners> found = byOwnSearch(picture, all, false);
-  if (found.empty() && strong_shadows) found = byOwnSearch(picture, all, true);
+  const ImageLevels image(grey);
+  std::vector<MarkerCorners> found = byOwnSearch(image, all, false);
+  if (found.empty() && strong_shadows) found = byOwnSearch(image, all, true);
   return uniqueMarkers(found, doubtful);
 }
 
 /// What can be read, or better than so far, once a shadow's edge across it is taken away.
 std::optional<MarkerCorners> MarkerDetector::Implementation::inShadow(
-    const PictureLevels& picture, const Quad& quad, const std::optional<PatternReading>& so_far) const {
-  const auto shadow = reader.shadowEdge(picture, quad);
+    const ImageLevels& image, const Quad& quad, const std::optional<PatternReading>& so_far) const {
+  const auto shadow = reader.shadowEdge(image, quad);
   if (!shadow) return std::nullopt;
-  const cv::Rect part = shadow->region & cv::Rect(0, 0, picture.grey().cols, picture.grey().rows);
+  const cv::Rect part = shadow->region & cv::Rect(0, 0, image.grey().cols, image.grey().rows);
   if (part.width < kSmallestRegion || part.height < kSmallestRegion) return std::nullopt;
   const Eigen::Vector2d origin(part.x, part.y);
-  cv::Mat lit = picture.grey()(part).clone();
+  cv::Mat lit = image.grey()(part).clone();
   lift(shadow->seenFrom(origin), lit);
   Quad there = quad;
   for (auto& corner : there) corner -= origin;
-  auto reading = reader.read(PictureLevels(lit), there, parameters.min_evidence);
+  auto reading = reader.read(ImageLevels(lit), there, parameters.min_evidence);
   if (!reading || (so_far && (reading->id != so_far->id || reading->evidence < so_far->evidence))) return std::nullopt;
   for (auto& corner : reading->corners) corner += origin;
   MarkerCorners marker = cornersOf(*reading);
@@ -174,20 +172,20 @@ void MarkerDetector::Implementation::refine(const cv::Mat& grey, MarkerCorners& 
   }
 }
 
-/// The marker by its outline, in the part of the picture that it should be in.
-std::optional<MarkerCorners> MarkerDetector::Implementation::outlineNear(const PictureLevels& picture,
+/// The marker by its outline, in the part of the image that it should be in.
+std::optional<MarkerCorners> MarkerDetector::Implementation::outlineNear(const ImageLevels& image,
                                                                          const ExpectedMarker& expected) const {
   Eigen::Vector2d low = expected.corners[0], high = expected.corners[0];
   for (const auto& corner : expected.corners) low = low.cwiseMin(corner), high = high.cwiseMax(corner);
   const double margin = expected.reach + 0.2 * (high - low).maxCoeff() + 3.0;  // the quiet zone and the smoothing too
   const auto whole = [](double x, double limit) { return static_cast<int>(std::clamp(x, 0.0, limit)); };
-  const int width = picture.grey().cols, height = picture.grey().rows;
+  const int width = image.grey().cols, height = image.grey().rows;
   const cv::Point first(whole(low.x() - margin, width), whole(low.y() - margin, height));
   const cv::Point last(whole(high.x() + margin + 1.0, width), whole(high.y() + margin + 1.0, height));
   const cv::Rect region(first, last);
   if (region.width < kSmallestRegion || region.height < kSmallestRegion) return std::nullopt;
   for (const bool strong_shadows : {false, true}) {
-    for (const MarkerCorners& marker : uniqueMarkers(byOwnSearch(picture, region, strong_shadows))) {
+    for (const MarkerCorners& marker : uniqueMarkers(byOwnSearch(image, region, strong_shadows))) {
       if (marker.id == expected.id) return marker;
     }
   }
@@ -204,7 +202,7 @@ MarkerDetector::MarkerDetector(MarkerDetector&&) noexcept = default;
 
 std::vector<MarkerCorners> MarkerDetector::detect(const cv::Mat& grey, std::set<int>* doubtful,
                                                   bool strong_shadows) const {
-  checkPicture(grey);
+  checkImage(grey);
   std::vector<MarkerCorners> unique = implementation_->search(grey, doubtful, strong_shadows);
   const cv::Mat lit = withoutShadows(grey, unique);
   for (MarkerCorners& marker : unique) implementation_->refine(lit, marker);
@@ -213,18 +211,18 @@ std::vector<MarkerCorners> MarkerDetector::detect(const cv::Mat& grey, std::set<
 
 std::vector<MarkerCorners> MarkerDetector::follow(const cv::Mat& grey, const std::vector<ExpectedMarker>& expected,
                                                   double min_evidence) const {
-  checkPicture(grey);
+  checkImage(grey);
   std::vector<MarkerCorners> found;
   if (expected.empty()) return found;
-  const PictureLevels picture(grey);
+  const ImageLevels image(grey);
   for (const ExpectedMarker& e : expected) {
-    const auto reading = implementation_->reader.follow(e.id, picture, e.corners, e.reach, min_evidence, e.code_blur);
+    const auto reading = implementation_->reader.follow(e.id, image, e.corners, e.reach, min_evidence, e.code_blur);
     std::optional<MarkerCorners> marker;
-    if (reading) marker = implementation_->inShadow(picture, reading->corners, reading);
+    if (reading) marker = implementation_->inShadow(image, reading->corners, reading);
     if (!marker && reading)
       marker = cornersOf(*reading);
     else if (!marker && e.by_outline)
-      marker = implementation_->outlineNear(picture, e);
+      marker = implementation_->outlineNear(image, e);
     if (!marker) continue;
     if (e.edges || !reading || !(reading->contrast > 0.0))
       implementation_->refine(withoutShadows(grey, {*marker}), *marker);

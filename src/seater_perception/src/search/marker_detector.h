@@ -13,10 +13,10 @@
 
 namespace seater_perception {
 
-/// A marker in the picture.
+/// A marker in the image.
 struct MarkerCorners {
   int id = 0;
-  /// [px] in the picture as given (not undistorted), top-left, top-right, bottom-right, bottom-left as the print is
+  /// [px] in the image as given (not undistorted), top-left, top-right, bottom-right, bottom-left as the print is
   /// read.
   std::array<Eigen::Vector2d, 4> corners;
   bool edges_fitted =
@@ -32,17 +32,17 @@ struct MarkerCorners {
   Eigen::Vector2d centre() const;
 };
 
-/// Where a marker should be in the picture.
+/// Where a marker should be in the image.
 struct ExpectedMarker {
   int id = 0;
   std::array<Eigen::Vector2d, 4> corners;  ///< as of MarkerCorners [px]
   double reach = 0.0;                      ///< how far away it is looked for [px]; 0: only there
   bool by_outline = true;                  ///< and by its outline, when its code does not show there
-  int code_blur = -1;                      ///< as of MarkerCorners in the last picture; -1: not known
+  int code_blur = -1;                      ///< as of MarkerCorners in the last image; -1: not known
   bool edges = true;                       ///< false: no edges are fitted where the code shows clearly
 };
 
-/// The picture (CV_8UC1) as without the shadows across these markers: a copy, or itself where there are none.
+/// The image (CV_8UC1) as without the shadows across these markers: a copy, or itself where there are none.
 cv::Mat withoutShadows(const cv::Mat& grey, const std::vector<MarkerCorners>& markers);
 
 /// Finds markers of one dictionary and refines their corners. Outlines and ids come from findQuads and PatternReader
@@ -56,16 +56,16 @@ class MarkerDetector {
   ~MarkerDetector();
   MarkerDetector(MarkerDetector&&) noexcept;
 
-  /// Markers in ascending id. An id that stands at two places of the picture is left out: nothing tells which one is
+  /// Markers in ascending id. An id that stands at two places of the image is left out: nothing tells which one is
   /// meant; `doubtful` gathers such ids. `strong_shadows`: where nothing is found, markers across the edge of a strong
-  /// shadow are looked for, which takes once more the time. `grey` is CV_8UC1. Throws PictureError.
+  /// shadow are looked for, which takes once more the time. `grey` is CV_8UC1. Throws ImageError.
   std::vector<MarkerCorners> detect(const cv::Mat& grey, std::set<int>* doubtful = nullptr,
                                     bool strong_shadows = true) const;
 
   /// Markers near the places where they are expected, in their order: first where they are expected, then up to `reach`
   /// away, by their code, then (`by_outline`) by their outline there. The correlation has to be at least
   /// `min_evidence`, every bit of the code on its side, and no other code as likely. What is not there is left out.
-  /// Throws PictureError.
+  /// Throws ImageError.
   std::vector<MarkerCorners> follow(const cv::Mat& grey, const std::vector<ExpectedMarker>& expected,
                                     double min_evidence) const;
 

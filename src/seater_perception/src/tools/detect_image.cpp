@@ -1,4 +1,4 @@
-// Markers in picture files, without ROS: see --help.
+// Markers in image files, without ROS: see --help.
 
 #include <cmath>
 #include <filesystem>
@@ -15,15 +15,15 @@ namespace {
 namespace fs = std::filesystem;
 using namespace seater_perception;
 
-constexpr int kSuccess = 0, kBadPicture = 1, kBadUse = 2;
+constexpr int kSuccess = 0, kBadImage = 1, kBadUse = 2;
 
-const char* const kHelp = R"(usage: detect_image --camera camera.yaml --markers dock.yaml [options] picture...
-       detect_image --camera camera.yaml --dictionary NAME --size M [options] picture...
+const char* const kHelp = R"(usage: detect_image --camera camera.yaml --markers dock.yaml [options] image...
+       detect_image --camera camera.yaml --dictionary NAME --size M [options] image...
 
-Finds markers in pictures and prints a table (or JSON); finding none is a normal result.
+Finds markers in images and prints a table (or JSON); finding none is a normal result.
 
   --camera FILE       calibration, in the format of camera_calibration (config/cameras/d455.yaml)
-  --rectified         the pictures are rectified: use P; without it they are raw: use K and D
+  --rectified         the images are rectified: use P; without it they are raw: use K and D
   --markers FILE      a dock (config/docks/default.yaml): only its markers are reported, and its pose
   --dictionary NAME   with --size and without a dock: report every marker of this dictionary (DICT_4X4_50 ...);
                       with --markers: in place of the file's dictionary
@@ -33,21 +33,21 @@ Finds markers in pictures and prints a table (or JSON); finding none is a normal
   --parameters FILE   config/perception.yaml; without it the same values, which are built in
   --pitch DEG         how far the camera looks down (0), to tell an upright marker's two possible poses apart
   --roll DEG          the camera's roll (0)
-  --json              JSON: one object per line and picture, in metres, radians and pixels
-  --draw OUT          write the annotated picture: a file name, or a folder (which takes several)
+  --json              JSON: one object per line and image, in metres, radians and pixels
+  --draw OUT          write the annotated image: a file name, or a folder (which takes several)
   --help              this text
 
 Table: distance from camera to marker centre; lateral: right of the optical axis; angle: by which the print is turned
-from square on, about the vertical, positive: its right edge is nearer; side: mean side in the picture; error: rms
+from square on, about the vertical, positive: its right edge is nearer; side: mean side in the image; error: rms
 reprojection error; ambiguity: this error over that of the other possible pose, near 1: undecided.
-Exit code: 0 done, 1 a picture could not be worked through (the others were), 2 wrong use, parameters or calibration.
+Exit code: 0 done, 1 an image could not be worked through (the others were), 2 wrong use, parameters or calibration.
 )";
 
 struct Options {
   std::string camera, markers, dictionary, selection, parameters, draw;
   double size = 0.0, pitch = 0.0, roll = 0.0;
   bool rectified = false, json = false, help = false;
-  std::vector<std::string> pictures;
+  std::vector<std::string> images;
 };
 
 double number(const std::string& option, const std::string& text) {
@@ -98,7 +98,7 @@ Options parse(const std::vector<std::string>& arguments) {
     else if (name.size() > 1 && name[0] == '-')
       throw ConfigurationError(name + ": unknown option; see --help");
     else
-      o.pictures.push_back(name);
+      o.images.push_back(name);
   }
   return o;
 }
@@ -127,7 +127,7 @@ DockLayout layoutFrom(const Options& o) {
 
 DockDetector detectorFrom(const Options& o) {
   if (o.camera.empty()) throw ConfigurationError("--camera is missing; see --help");
-  if (o.pictures.empty()) throw ConfigurationError("no picture given; see --help");
+  if (o.images.empty()) throw ConfigurationError("no image given; see --help");
   const Calibration calibration = loadCalibration(o.camera);
   PerceptionParameters parameters;
   if (!o.parameters.empty()) parameters = loadPerceptionParameters(readYaml(o.parameters), o.parameters);
@@ -148,31 +148,31 @@ DockDetector detectorFrom(const Options& o) {
   }
 }
 
-/// Where the annotated picture goes.
-fs::path drawingPath(const Options& o, const std::string& picture) {
+/// Where the annotated image goes.
+fs::path drawingPath(const Options& o, const std::string& image) {
   if (!fs::is_directory(o.draw)) return o.draw;
-  return fs::path(o.draw) / (fs::path(picture).stem().string() + "_detected.png");
+  return fs::path(o.draw) / (fs::path(image).stem().string() + "_detected.png");
 }
 
-void workThrough(const Options& o, const DockDetector& detector, const std::string& picture) {
-  const cv::Mat grey = cv::imread(picture, cv::IMREAD_GRAYSCALE);
-  if (grey.empty()) throw PictureError("cannot be read as a picture");
+void workThrough(const Options& o, const DockDetector& detector, const std::string& image) {
+  const cv::Mat grey = cv::imread(image, cv::IMREAD_GRAYSCALE);
+  if (grey.empty()) throw ImageError("cannot be read as an image");
   const DetectionResult result = detector.detect(grey);
   std::optional<std::string> drawing;
   if (!o.draw.empty()) {
-    drawing = drawingPath(o, picture).string();
+    drawing = drawingPath(o, image).string();
     bool written = false;
     try {
       written = cv::imwrite(*drawing, annotate(grey, detector.camera(), detector.layout(), result));
     } catch (const cv::Exception&) {  // unknown ending of the file name
     }
-    if (!written) throw PictureError("the annotated picture cannot be written to " + *drawing);
+    if (!written) throw ImageError("the annotated image cannot be written to " + *drawing);
   }
   if (o.json) {
-    std::cout << json(picture, result, drawing) << std::endl;
+    std::cout << json(image, result, drawing) << std::endl;
     return;
   }
-  std::cout << picture << "\n" << table(result);
+  std::cout << image << "\n" << table(result);
   if (result.refused > 0) std::cout << result.refused << " found, but refused: no believable pose\n";
   if (drawing) std::cout << "annotated: " << *drawing << "\n";
 }
@@ -184,16 +184,16 @@ int run(const std::vector<std::string>& arguments) {
     return kSuccess;
   }
   const DockDetector detector = detectorFrom(o);
-  if (!o.draw.empty() && o.pictures.size() > 1 && !fs::is_directory(o.draw)) {
-    throw ConfigurationError("--draw: is '" + o.draw + "', must be an existing folder for several pictures");
+  if (!o.draw.empty() && o.images.size() > 1 && !fs::is_directory(o.draw)) {
+    throw ConfigurationError("--draw: is '" + o.draw + "', must be an existing folder for several images");
   }
   int code = kSuccess;
-  for (const std::string& picture : o.pictures) {
+  for (const std::string& image : o.images) {
     try {
-      workThrough(o, detector, picture);
-    } catch (const PictureError& error) {
-      std::cerr << "detect_image: " << picture << ": " << error.what() << std::endl;
-      code = kBadPicture;
+      workThrough(o, detector, image);
+    } catch (const ImageError& error) {
+      std::cerr << "detect_image: " << image << ": " << error.what() << std::endl;
+      code = kBadImage;
     }
   }
   return code;

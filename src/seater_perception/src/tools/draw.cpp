@@ -19,43 +19,42 @@ cv::Point fine(const Eigen::Vector2d& p) {
   return {cvRound(p.x() * (1 << kShift)), cvRound(p.y() * (1 << kShift))};
 }
 
-/// True when a pixel is near enough to the picture to be drawn without running over cv::line's integers.
-bool drawable(const cv::Mat& picture, const Eigen::Vector2d& p) {
-  return p.allFinite() && std::abs(p.x()) < 10.0 * picture.cols && std::abs(p.y()) < 10.0 * picture.rows;
+/// True when a pixel is near enough to the image to be drawn without running over cv::line's integers.
+bool drawable(const cv::Mat& image, const Eigen::Vector2d& p) {
+  return p.allFinite() && std::abs(p.x()) < 10.0 * image.cols && std::abs(p.y()) < 10.0 * image.rows;
 }
 
-void line(cv::Mat& picture, const Eigen::Vector2d& a, const Eigen::Vector2d& b, const cv::Scalar& colour, int width) {
-  if (!drawable(picture, a) || !drawable(picture, b)) return;
-  cv::line(picture, fine(a), fine(b), colour, width, cv::LINE_AA, kShift);
+void line(cv::Mat& image, const Eigen::Vector2d& a, const Eigen::Vector2d& b, const cv::Scalar& colour, int width) {
+  if (!drawable(image, a) || !drawable(image, b)) return;
+  cv::line(image, fine(a), fine(b), colour, width, cv::LINE_AA, kShift);
 }
 
-void text(cv::Mat& picture, const std::string& words, cv::Point at, double scale) {
+void text(cv::Mat& image, const std::string& words, cv::Point at, double scale) {
   const int thick = std::max(1, cvRound(2.0 * scale));
-  cv::putText(picture, words, at, cv::FONT_HERSHEY_SIMPLEX, scale, cv::Scalar(0, 0, 0), thick + 3, cv::LINE_AA);
-  cv::putText(picture, words, at, cv::FONT_HERSHEY_SIMPLEX, scale, kText, thick, cv::LINE_AA);
+  cv::putText(image, words, at, cv::FONT_HERSHEY_SIMPLEX, scale, cv::Scalar(0, 0, 0), thick + 3, cv::LINE_AA);
+  cv::putText(image, words, at, cv::FONT_HERSHEY_SIMPLEX, scale, kText, thick, cv::LINE_AA);
 }
 
 /// Axes of a frame, x red, y green, z blue; an axis whose end is behind the camera is left out.
-void axes(cv::Mat& picture, const CameraModel& camera, const Eigen::Isometry3d& pose, double length, int width) {
+void axes(cv::Mat& image, const CameraModel& camera, const Eigen::Isometry3d& pose, double length, int width) {
   const auto origin = camera.project(pose.translation());
   if (!origin) return;
   const cv::Scalar colours[] = {kRed, kGreen, kBlue};
   for (int i = 0; i < 3; ++i) {
     const auto end = camera.project(pose * Eigen::Vector3d(length * Eigen::Vector3d::Unit(i)));
-    if (end) line(picture, *origin, *end, colours[i], width);
+    if (end) line(image, *origin, *end, colours[i], width);
   }
 }
 
-/// The dock frame lies on the floor, most often below the picture: its axes are drawn at the markers' middle, where
+/// The dock frame lies on the floor, most often below the image: its axes are drawn at the markers' middle, where
 /// they show.
-void dock(cv::Mat& picture, const CameraModel& camera, const DockLayout& layout, const DockHypothesis& h,
-          double scale) {
+void dock(cv::Mat& image, const CameraModel& camera, const DockLayout& layout, const DockHypothesis& h, double scale) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const auto& [id, place] : layout.markers) middle += place.position / static_cast<double>(layout.markers.size());
   const Eigen::Isometry3d raised = h.pose * Eigen::Translation3d(middle);
-  axes(picture, camera, raised, 0.25, std::max(1, cvRound(3.0 * scale)));
+  axes(image, camera, raised, 0.25, std::max(1, cvRound(3.0 * scale)));
   const auto end = camera.project(raised * Eigen::Vector3d(0.0, 0.0, 0.27));
-  if (end && drawable(picture, *end)) text(picture, "dock", {cvRound(end->x()), cvRound(end->y())}, 0.7 * scale);
+  if (end && drawable(image, *end)) text(image, "dock", {cvRound(end->x()), cvRound(end->y())}, 0.7 * scale);
 }
 
 std::string words(const char* pattern, const Placement& p) {
@@ -64,34 +63,34 @@ std::string words(const char* pattern, const Placement& p) {
   return buffer;
 }
 
-void marker(cv::Mat& picture, const CameraModel& camera, const DetectedMarker& m, double scale) {
+void marker(cv::Mat& image, const CameraModel& camera, const DetectedMarker& m, double scale) {
   const auto& c = m.image.corners;
   const int width = std::max(1, cvRound(2.0 * scale));
-  for (std::size_t i = 0; i < 4; ++i) line(picture, c[i], c[(i + 1) % 4], kOutline, width);
-  cv::circle(picture, fine(c[0]), cvRound(4.0 * scale) << kShift, kRed, width, cv::LINE_AA, kShift);
-  axes(picture, camera, m.best().pose, 0.5 * m.size, width);
+  for (std::size_t i = 0; i < 4; ++i) line(image, c[i], c[(i + 1) % 4], kOutline, width);
+  cv::circle(image, fine(c[0]), cvRound(4.0 * scale) << kShift, kRed, width, cv::LINE_AA, kShift);
+  axes(image, camera, m.best().pose, 0.5 * m.size, width);
   const Eigen::Vector2d lowest((c[0].x() + c[1].x() + c[2].x() + c[3].x()) / 4.0,
                                std::max({c[0].y(), c[1].y(), c[2].y(), c[3].y()}));
   const cv::Point at(cvRound(lowest.x() - 20.0 * scale), cvRound(lowest.y() + 26.0 * scale));
-  text(picture, "id " + std::to_string(m.image.id), at, 0.7 * scale);
+  text(image, "id " + std::to_string(m.image.id), at, 0.7 * scale);
 }
 
 }  // namespace
 
 cv::Mat annotate(const cv::Mat& grey, const CameraModel& camera, const DockLayout& layout,
                  const DetectionResult& result, const std::vector<std::string>& lines) {
-  cv::Mat picture;
-  cv::cvtColor(grey, picture, cv::COLOR_GRAY2BGR);
-  const double scale = std::max(0.5, picture.cols / 1280.0);
+  cv::Mat image;
+  cv::cvtColor(grey, image, cv::COLOR_GRAY2BGR);
+  const double scale = std::max(0.5, image.cols / 1280.0);
   std::vector<std::string> all;
   for (const DetectedMarker& m : result.markers) {
-    marker(picture, camera, m, scale);
+    marker(image, camera, m, scale);
     all.push_back("marker " + std::to_string(m.image.id) + ": " +
                   words("%.3f m away, %+.3f m right, turned %+.1f deg, ", markerPlacement(m.best().pose)) +
                   std::to_string(std::lround(m.image.side())) + " px");
   }
   if (!result.dock.empty()) {
-    dock(picture, camera, layout, result.dock.front(), scale);
+    dock(image, camera, layout, result.dock.front(), scale);
     all.push_back(
         words("dock: %.3f m away, %+.3f m right, heading %+.1f deg", dockPlacement(result.dock.front().pose)));
   } else {
@@ -100,10 +99,10 @@ cv::Mat annotate(const cv::Mat& grey, const CameraModel& camera, const DockLayou
   all.insert(all.end(), lines.begin(), lines.end());
   double y = 30.0 * scale;
   for (const std::string& entry : all) {
-    text(picture, entry, {cvRound(12.0 * scale), cvRound(y)}, 0.7 * scale);
+    text(image, entry, {cvRound(12.0 * scale), cvRound(y)}, 0.7 * scale);
     y += 30.0 * scale;
   }
-  return picture;
+  return image;
 }
 
 }  // namespace seater_perception

@@ -1,1 +1,1 @@
-"""ROS-free simulation of the chair and its camera: plant, odometry, world, pictures, charging contact."""
+"""ROS-free simulation of the chair and its camera: plant, odometry, world, images, charging contact."""

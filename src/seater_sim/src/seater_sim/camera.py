@@ -1,4 +1,4 @@
-"""Pictures of the scene from the true pose of the camera."""
+"""Images of the scene from the true pose of the camera."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from seater_sim.settings import CameraSettings, Obstacle, SceneSettings
 from seater_sim.view import FaceSet, Frustum
 
 Array = NDArray[np.float64]
-Picture = NDArray[np.uint8]
+Image = NDArray[np.uint8]
 
 # Motion within the exposure: so many pixels of it are covered by one rendering of the world, and of the prints.
 BACKDROP_PX = 3.0
@@ -77,8 +77,8 @@ class Camera:
         covered: Collection[int] = (),
         seed: int = 0,
         index: int = 0,
-    ) -> Picture:
-        """The picture (height, width), or (height, width, 3) for rgb8.
+    ) -> Image:
+        """The image (height, width), or (height, width, 3) for rgb8.
 
         Args:
             T_dock_base: pose (x [m], y [m], heading [rad]) of the chair in the middle of the exposure.
@@ -86,13 +86,13 @@ class Camera:
             omega: turning rate [rad/s] during the exposure.
             covered: ids of the markers that something hides.
             seed: of the noise.
-            index: number of the picture; the noise depends on seed and index only.
+            index: number of the image; the noise depends on seed and index only.
         """
         light = self.light(T_dock_base, v, omega, covered)
         return self._sensor.expose(light, seed, index)
 
-    def light(self, T_dock_base: ArrayLike, v: float, omega: float, covered: Collection[int]) -> Picture:
-        """The picture before blur, vignetting, gain and noise; shape as for `render`."""
+    def light(self, T_dock_base: ArrayLike, v: float, omega: float, covered: Collection[int]) -> Image:
+        """The image before blur, vignetting, gain and noise; shape as for `render`."""
         motion = self._motion(T_dock_base, v, omega)
         whole = min(MAX_SUBFRAMES, max(1, math.ceil(motion / BACKDROP_PX)))
         prints = min(3, max(1, math.ceil(motion / (whole * PRINT_PX))))
@@ -108,36 +108,36 @@ class Camera:
         return np.asarray(cv2.convertScaleAbs(total, alpha=1.0 / whole), dtype=np.uint8)
 
     def _motion(self, pose: ArrayLike, v: float, omega: float) -> float:
-        """How far things at the dock move in the picture during the exposure, at most about [px]."""
+        """How far things at the dock move in the image during the exposure, at most about [px]."""
         exposure = self.settings.exposure
         if exposure == 0.0 or (v == 0.0 and omega == 0.0):
             return 0.0
         focal = float(self.model.K[0, 0])
         camera = self.T_dock_optical(pose)[:2, 3]
         distance = min((float(np.linalg.norm(s.outline[0, :2] - camera)) for s in self.scene.sheets), default=1.0)
-        # A thing half a picture off the axis moves outwards by that half times way / distance.
+        # A thing half an image off the axis moves outwards by that half times way / distance.
         outwards = 0.5 * self.model.width * abs(v) / max(distance, 0.2)
         lever = float(np.linalg.norm(self._T_base_optical[:2, 3]))
         sideways = focal * abs(omega) * (1.0 + lever / max(distance, 0.2))
         return (outwards + sideways) * exposure
 
-    def _draw(self, views: list[Array], covered: Collection[int]) -> Picture:
+    def _draw(self, views: list[Array], covered: Collection[int]) -> Image:
         """One sub-frame: the world from the middle one of `views` (T_optical_dock, 4x4), prints averaged over all."""
         colour = self.settings.encoding == "rgb8"
         shape = (self.model.height, self.model.width, 3) if colour else (self.model.height, self.model.width)
-        picture = np.full(shape, 140, np.uint8)
+        image = np.full(shape, 140, np.uint8)
         T = views[len(views) // 2]
         camera = -T[:3, :3].T @ T[:3, 3]
-        self._backdrop.draw(picture, self._frustum, T)
-        self._draw_sheets(picture, True, views, camera, covered)
+        self._backdrop.draw(image, self._frustum, T)
+        self._draw_sheets(image, True, views, camera, covered)
         order = sorted(self._blocks, key=lambda b: -float(np.sum((b[0] - camera[:2]) ** 2)))
         for _, faces in order:
-            faces.draw(picture, self._frustum, T)
-        self._draw_sheets(picture, False, views, camera, covered)
-        return picture
+            faces.draw(image, self._frustum, T)
+        self._draw_sheets(image, False, views, camera, covered)
+        return image
 
     def _draw_sheets(
-        self, picture: Picture, on_back_wall: bool, views: list[Array], camera: Array, covered: Collection[int]
+        self, image: Image, on_back_wall: bool, views: list[Array], camera: Array, covered: Collection[int]
     ) -> None:
         T = views[len(views) // 2]
         for sheet, paper, cover in self._sheets:
@@ -146,13 +146,13 @@ class Camera:
             if float(sheet.paper.normal @ (camera - sheet.paper.points[0])) <= 0.0:
                 continue  # seen from behind
             if sheet.marker.id in covered:
-                cover.draw(picture, self._frustum, T)
+                cover.draw(image, self._frustum, T)
             else:
-                paper.draw(picture, self._frustum, T)
-                self._print(picture, sheet, views)
+                paper.draw(image, self._frustum, T)
+                self._print(image, sheet, views)
 
-    def _print(self, picture: Picture, sheet: Sheet, views: list[Array]) -> None:
-        """Darken the picture where there is ink."""
+    def _print(self, image: Image, sheet: Sheet, views: list[Array]) -> None:
+        """Darken the image where there is ink."""
         outlines = [sheet.outline @ T[:3, :3].T + T[:3, 3] for T in views]
         if any(np.any(outline[:, 2] < 0.1) for outline in outlines):
             return  # partly behind the lens
@@ -166,5 +166,5 @@ class Camera:
             total += self._ink.coverage(sheet, outline, (x0, y0, x1, y1))
         loss = (1.0 - self._ink_reflectance) / len(views)
         kept = cv2.convertScaleAbs(total.astype(np.float32), alpha=-loss, beta=255.0)
-        patch = picture[y0:y1, x0:x1]
+        patch = image[y0:y1, x0:x1]
         patch[:] = cv2.multiply(patch, kept if patch.ndim == 2 else cv2.merge([kept] * 3), scale=1.0 / 255.0)

@@ -25,9 +25,9 @@ class CameraModel:
     height: int
     distortion_model: str
     D: Array  # (5,): k1 k2 p1 p2 k3, or (8,): and k4 k5 k6
-    K: Array  # (3, 3), raw picture
+    K: Array  # (3, 3), raw image
     R: Array  # (3, 3), rectification
-    P: Array  # (3, 4), rectified picture
+    P: Array  # (3, 4), rectified image
     distorted: bool = field(init=False)  # whether the lens bends straight lines
 
     def __post_init__(self) -> None:
@@ -77,7 +77,7 @@ class CameraModel:
         )
 
     def rays(self, margin: int) -> NDArray[np.float32]:
-        """(x / z, y / z) of every pixel's centre, (height + 2 margin, width + 2 margin, 2), the margin outside the picture."""
+        """(x / z, y / z) of every pixel's centre, (height + 2 margin, width + 2 margin, 2), the margin outside the image."""
         u, v = np.meshgrid(np.arange(-margin, self.width + margin), np.arange(-margin, self.height + margin))
         pixels = np.stack([u, v], axis=-1).astype(np.float64).reshape(-1, 1, 2)
         criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-10)

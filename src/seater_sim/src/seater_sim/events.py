@@ -13,14 +13,14 @@ GOOD, NAN, NAN_CAMERA_INFO, OFF = "good", "nan", "nan_camera_info", "off"
 ACTIONS = {
     "cover": "the markers are hidden by a sheet of cardboard (all, or those in `ids`)",
     "uncover": "they are seen again",
-    "good_pictures": "the camera works",
-    "nan_pictures": "pictures of encoding 32FC1, full of NaN",
-    "nan_camera_info": "good pictures, but a camera matrix full of NaN",
-    "camera_off": "no pictures",
+    "good_images": "the camera works",
+    "nan_images": "images of encoding 32FC1, full of NaN",
+    "nan_camera_info": "good images, but a camera matrix full of NaN",
+    "camera_off": "no images",
     "odometry_off": "no odometry messages",
     "odometry_on": "odometry messages again",
 }
-_MODE = {"good_pictures": GOOD, "nan_pictures": NAN, "nan_camera_info": NAN_CAMERA_INFO, "camera_off": OFF}
+_MODE = {"good_images": GOOD, "nan_images": NAN, "nan_camera_info": NAN_CAMERA_INFO, "camera_off": OFF}
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class WorldState:
 
     marker_ids: frozenset[int]
     covered: frozenset[int] = frozenset()
-    pictures: str = GOOD
+    images: str = GOOD
     odometry: bool = True
 
     def cover(self, on: bool, ids: Iterable[int] = ()) -> None:
@@ -56,7 +56,7 @@ class WorldState:
         if event.do in ("cover", "uncover"):
             self.cover(event.do == "cover", event.ids)
         elif event.do in _MODE:
-            self.pictures = _MODE[event.do]
+            self.images = _MODE[event.do]
         else:
             self.odometry = event.do == "odometry_on"
 

@@ -1,6 +1,6 @@
 """How much of each pixel the print of a marker covers: area sampling.
 
-The picture's patch is sampled S x S times per pixel. The texture has (nearly) one texel per sample, each texel is wholly ink
+The image's patch is sampled S x S times per pixel. The texture has (nearly) one texel per sample, each texel is wholly ink
 or paper, and bilinear interpolation turns every edge into a ramp of one sample's width that is symmetric about the true
 edge. The sum of such ramps over the samples of a pixel is linear in the edge's place, so the covered area is right without
 bias, even for edges that run exactly along the pixel rows, where point samples would jump by 1/S px.
@@ -20,15 +20,15 @@ from seater_sim.scene import Sheet
 from seater_sim.view import Frustum, bounding_box
 
 Array = NDArray[np.float64]
-Picture = NDArray[np.uint8]
+Image = NDArray[np.uint8]
 Box = tuple[int, int, int, int]
 
-MARGIN = 2  # [px] the ray map extends so far beyond the picture
+MARGIN = 2  # [px] the ray map extends so far beyond the image
 MAX_TEXELS = 512  # per cell
 
 
 @lru_cache(maxsize=64)
-def marker_cells(dictionary: str, marker_id: int) -> Picture:
+def marker_cells(dictionary: str, marker_id: int) -> Image:
     """Ink of the marker's cells, (n, n): 255 black, 0 white; the black border is part of it.
 
     Raises:
@@ -40,12 +40,12 @@ def marker_cells(dictionary: str, marker_id: int) -> Picture:
     markers = cv2.aruco.getPredefinedDictionary(code)
     if not 0 <= marker_id < len(markers.bytesList):
         raise ValueError(f"markers: id {marker_id} is not in {dictionary} (0..{len(markers.bytesList) - 1})")
-    cells: Picture = cv2.aruco.drawMarker(markers, marker_id, markers.markerSize + 2)
+    cells: Image = cv2.aruco.drawMarker(markers, marker_id, markers.markerSize + 2)
     return np.asarray(255 - cells, dtype=np.uint8)
 
 
 @lru_cache(maxsize=64)
-def texture(dictionary: str, marker_id: int, texels_x: int, texels_y: int) -> Picture:
+def texture(dictionary: str, marker_id: int, texels_x: int, texels_y: int) -> Image:
     """The cells, each as texels_y x texels_x equal texels."""
     cells = marker_cells(dictionary, marker_id)
     return np.ascontiguousarray(np.repeat(np.repeat(cells, texels_y, axis=0), texels_x, axis=1))
@@ -62,11 +62,11 @@ class InkRenderer:
         self._rays = self._model.rays(MARGIN) if self._model.distorted else None
 
     def box(self, outline: Array) -> Box | None:
-        """The pixels that the printed square, (4, 3) [m] in the optical frame, can touch; None when out of the picture."""
+        """The pixels that the printed square, (4, 3) [m] in the optical frame, can touch; None when out of the image."""
         pixels = self._frustum.outline(outline)
         return None if pixels is None else bounding_box(pixels, self._model, 1.0)
 
-    def coverage(self, sheet: Sheet, outline: Array, box: Box) -> Picture:
+    def coverage(self, sheet: Sheet, outline: Array, box: Box) -> Image:
         """Ink in each pixel of the box, (h, w), 0..255; `outline` as for `box`."""
         width, height = _sides(outline, self._model)
         cells = len(marker_cells(self._dictionary, sheet.marker.id))
@@ -100,7 +100,7 @@ class InkRenderer:
 
 
 def _sides(outline: Array, model: CameraModel) -> tuple[float, float]:
-    """Width and height of the printed square in the picture, roughly [px]."""
+    """Width and height of the printed square in the image, roughly [px]."""
     focal = 0.5 * (model.K[0, 0] + model.K[1, 1])
     flat = outline[:, :2] / np.maximum(outline[:, 2:], 1e-3)
     lengths = np.linalg.norm(np.roll(flat, -1, axis=0) - flat, axis=1) * focal

@@ -1,6 +1,6 @@
-"""How long a picture takes to render, and a step without pictures.
+"""How long an image takes to render, and a step without images.
 
-rosrun seater_sim measure_rendering CAMERA_INFO.yaml [PICTURES per case]
+rosrun seater_sim measure_rendering CAMERA_INFO.yaml [IMAGES per case]
 """
 
 from __future__ import annotations
@@ -33,22 +33,22 @@ CASES = [
 def main() -> None:
     """Prints one line per case; one thread."""
     if len(sys.argv) not in (2, 3):
-        sys.exit("usage: measure_rendering CAMERA_INFO.yaml [PICTURES per case]")
+        sys.exit("usage: measure_rendering CAMERA_INFO.yaml [IMAGES per case]")
     cv2.setNumThreads(1)
-    pictures = int(sys.argv[2]) if len(sys.argv) == 3 else 50
+    images = int(sys.argv[2]) if len(sys.argv) == 3 else 50
     model = CameraModel.from_mapping(yaml.safe_load(Path(sys.argv[1]).read_text()))
     for encoding in ("mono8", "rgb8"):
         camera = Camera(model, Chair().camera, Dock(), CameraSettings(encoding=encoding))
-        print(f"{model.width} x {model.height} {encoding}, ms per picture: median, 95 %")
+        print(f"{model.width} x {model.height} {encoding}, ms per image: median, 95 %")
         for name, pose, v, omega in CASES:
             camera.render(pose, v, omega)  # fills the caches
             times = []
-            for index in range(pictures):
+            for index in range(images):
                 begin = time.perf_counter()
                 camera.render(pose, v, omega, index=index)
                 times.append(1e3 * (time.perf_counter() - begin))
             print(f"  {name:20} {np.median(times):6.1f} {np.percentile(times, 95):6.1f}")
-    print(f"step of 10 ms without pictures: {_step_us():.0f} us on average over 20 s of driving")
+    print(f"step of 10 ms without images: {_step_us():.0f} us on average over 20 s of driving")
 
 
 def _step_us() -> float:

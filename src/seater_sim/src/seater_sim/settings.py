@@ -56,16 +56,16 @@ class OdometrySettings:
 
 @dataclass(frozen=True)
 class CameraSettings:
-    """How a picture comes about; its geometry is that of the camera_info file."""
+    """How an image comes about; its geometry is that of the camera_info file."""
 
-    rate: float = param(30.0, "Hz", "pictures per second of simulated time", low=0.1, high=120.0)
+    rate: float = param(30.0, "Hz", "images per second of simulated time", low=0.1, high=120.0)
     latency: float = param(0.05, "s", "from the middle of the exposure to delivery", low=0.0, high=1.0)
-    encoding: str = param("mono8", "", "of the pictures", choices=("mono8", "rgb8"))
+    encoding: str = param("mono8", "", "of the images", choices=("mono8", "rgb8"))
     blur_sd: float = param(0.7, "px", "Gaussian blur of lens and sensor", low=0.0, high=10.0)
     noise_sd: float = param(2.0, "grey levels", "white noise of each pixel", low=0.0, high=40.0)
     exposure: float = param(0.008, "s", "exposure time; motion within it blurs", low=0.0, high=0.1)
     gain: float = param(1.0, "", "brightness; 1: white paper is at 225 grey levels", low=0.05, high=5.0)
-    vignetting: float = param(0.2, "", "loss of brightness in the corners of the picture", low=0.0, high=0.95)
+    vignetting: float = param(0.2, "", "loss of brightness in the corners of the image", low=0.0, high=0.95)
     compressed_format: str = param("png", "", "of image_raw/compressed", choices=("png", "jpeg"))
     jpeg_quality: int = param(90, "", "of image_raw/compressed, if jpeg", low=1, high=100)
 

@@ -3,8 +3,8 @@
 simulator = Simulator(settings, Chair(), Dock(), CameraModel.from_mapping(yaml.safe_load(open(path))), [-1.5, 0.3, 0])
 while True:
     due = simulator.step()
-    for picture in due.pictures:
-        image = picture.render()          # only here is anything drawn
+    for image in due.images:
+        image = image.render()          # only here is anything drawn
     if due.odometry is not None:
         simulator.command(v, omega)
 """
@@ -46,8 +46,8 @@ class Truth:
 
 
 @dataclass(frozen=True)
-class Picture:
-    """A picture that has been taken; `render` draws it."""
+class SimulatedImage:
+    """An image that has been taken; `render` draws it."""
 
     index: int
     stamp_ns: int  # the middle of the exposure
@@ -78,7 +78,7 @@ class Picture:
             RuntimeError: the simulator was made without a camera model.
         """
         if self.camera is None:
-            raise RuntimeError("this simulator has no camera model, so its pictures cannot be drawn")
+            raise RuntimeError("this simulator has no camera model, so its images cannot be drawn")
         if self.mode == NAN:
             return np.full((self.camera.model.height, self.camera.model.width), np.nan, np.float32)
         return self.camera.render(self.pose, self.v, self.omega, covered=self.covered, seed=self.seed, index=self.index)
@@ -92,7 +92,7 @@ class Due:
     tick: bool  # an odometry period has ended, whether there is a message or not
     odometry: OdometrySample | None
     truth: Truth
-    pictures: list[Picture]  # delivered now, taken `latency` ago
+    images: list[SimulatedImage]  # delivered now, taken `latency` ago
     events: list[Event]  # that happened at this step
 
 
@@ -112,9 +112,9 @@ class Simulator:
         camera: Camera | None = None,
     ) -> None:
         """Args:
-        camera_model: None for runs that never draw a picture.
+        camera_model: None for runs that never draw an image.
         start: pose (x [m], y [m], heading [rad]) of base_link in the dock frame.
-        seed: of odometry errors and picture noise, >= 0.
+        seed: of odometry errors and image noise, >= 0.
         events: what happens during the run.
         camera: takes the place of one made from `camera_model`, so that many runs can share it.
 
@@ -137,8 +137,8 @@ class Simulator:
             self.camera = Camera(camera_model, chair.camera, dock, settings.camera, settings.scene, settings.obstacles)
         self.world = WorldState(frozenset(marker.id for marker in dock.markers))
         self._schedule = Schedule(list(events))
-        self._pictures_taken = 0
-        self._on_the_way: deque[Picture] = deque()
+        self._images_taken = 0
+        self._on_the_way: deque[SimulatedImage] = deque()
         self._way = self._turn = 0.0  # since the last odometry
         self._contact.update(self._plant.pose, 0.0, 0.0)
 
@@ -188,7 +188,7 @@ class Simulator:
         for event in events:
             self.world.apply(event)
         self._contact.update(plant.pose, plant.v, plant.omega)
-        self._take_pictures(before_ns)
+        self._take_images(before_ns)
         tick = plant.time_ns % to_ns(self.settings.odometry.period) == 0
         odometry = self._measure_odometry() if tick else None
         return Due(self.time_ns, tick, odometry, self.truth, self._delivered(), events)
@@ -203,25 +203,27 @@ class Simulator:
         self._way = self._turn = 0.0
         return sample if self.world.odometry else None
 
-    def _take_pictures(self, before_ns: int) -> None:
-        """Take every picture whose exposure has its middle within the step that has just been made."""
+    def _take_images(self, before_ns: int) -> None:
+        """Take every image whose exposure has its middle within the step that has just been made."""
         while True:
-            index = self._pictures_taken + 1
+            index = self._images_taken + 1
             stamp = self._start_ns + round(index * NANOSECONDS / self.settings.camera.rate)
             if stamp > self.time_ns:
                 return
-            self._pictures_taken = index
-            if self.world.pictures == OFF:
+            self._images_taken = index
+            if self.world.images == OFF:
                 continue
             pose = self._plant.pose_within((stamp - before_ns) / self._step_ns)
             world, plant = self.world, self._plant
             self._on_the_way.append(
-                Picture(index, stamp, pose, plant.v, plant.omega, world.covered, world.pictures, self.seed, self.camera)
+                SimulatedImage(
+                    index, stamp, pose, plant.v, plant.omega, world.covered, world.images, self.seed, self.camera
+                )
             )
 
-    def _delivered(self) -> list[Picture]:
+    def _delivered(self) -> list[SimulatedImage]:
         latency = to_ns(self.settings.camera.latency)
-        pictures = []
+        images = []
         while self._on_the_way and self._on_the_way[0].stamp_ns + latency <= self.time_ns:
-            pictures.append(self._on_the_way.popleft())
-        return pictures
+            images.append(self._on_the_way.popleft())
+        return images

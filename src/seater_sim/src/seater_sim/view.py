@@ -1,4 +1,4 @@
-"""From planar polygons in the world to polygons in the picture: clipping and projection for one camera pose."""
+"""From planar polygons in the world to polygons in the image: clipping and projection for one camera pose."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ EDGE_PIECES = 8  # a straight edge becomes so many pieces when the lens bends it
 
 
 class Frustum:
-    """The part of space that can be in the picture: half-spaces a . p + d >= 0 in the optical frame."""
+    """The part of space that can be in the image: half-spaces a . p + d >= 0 in the optical frame."""
 
     def __init__(self, model: CameraModel) -> None:
         self.model = model
-        # The widest rays of the picture's rim, and a little more so that the cut edges stay outside.
+        # The widest rays of the image's rim, and a little more so that the cut edges stay outside.
         rays = model.rays(margin=2) if model.distorted else _corner_rays(model)
         low, high = rays.reshape(-1, 2).min(axis=0) - 0.02, rays.reshape(-1, 2).max(axis=0) + 0.02
         self._normals = np.array(
@@ -75,7 +75,7 @@ class FaceSet:
         self._ends = np.cumsum([len(face.points) for face in faces])
         self._starts = self._ends - [len(face.points) for face in faces]
 
-    def draw(self, picture: NDArray[np.uint8], frustum: Frustum, T_optical_dock: Array) -> None:
+    def draw(self, image: NDArray[np.uint8], frustum: Frustum, T_optical_dock: Array) -> None:
         """Draw the faces that look towards the camera, in rgb or their luminance."""
         T = T_optical_dock
         camera = -T[:3, :3].T @ T[:3, 3]
@@ -88,7 +88,7 @@ class FaceSet:
             polygon = points[self._starts[i] : self._ends[i]]
             outline = frustum.project(polygon) if whole[i] else frustum.outline(polygon)
             if outline is not None:
-                fill(picture, outline, _paint(self._colours[i], picture.ndim == 3))
+                fill(image, outline, _paint(self._colours[i], image.ndim == 3))
 
 
 def _paint(colour: tuple[float, float, float], rgb: bool) -> tuple[float, ...]:
@@ -97,14 +97,14 @@ def _paint(colour: tuple[float, float, float], rgb: bool) -> tuple[float, ...]:
     return colour if rgb else (0.299 * r + 0.587 * g + 0.114 * b,)
 
 
-def fill(picture: NDArray[np.uint8], outline: Array, colour: tuple[float, ...]) -> None:
+def fill(image: NDArray[np.uint8], outline: Array, colour: tuple[float, ...]) -> None:
     """Draw a filled polygon of pixels (m, 2), edges smoothed."""
     points = np.rint(outline * (1 << SHIFT)).astype(np.int32)
-    cv2.fillPoly(picture, [points], colour, cv2.LINE_AA, SHIFT)
+    cv2.fillPoly(image, [points], colour, cv2.LINE_AA, SHIFT)
 
 
 def bounding_box(outline: Array, model: CameraModel, margin: float) -> tuple[int, int, int, int] | None:
-    """x0, y0, x1, y1 (x1, y1 excluded) of the pixels within `margin` px of the outline; None outside the picture."""
+    """x0, y0, x1, y1 (x1, y1 excluded) of the pixels within `margin` px of the outline; None outside the image."""
     low = np.floor(outline.min(axis=0) - margin + 0.5).astype(int)
     high = np.ceil(outline.max(axis=0) + margin + 0.5).astype(int)
     x0, y0 = max(int(low[0]), 0), max(int(low[1]), 0)

@@ -1,4 +1,4 @@
-"""The campaign for a person: a table and a picture."""
+"""The campaign for a person: a table and an image."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ class Case:
 class Watch:
     """What is measured while the run goes on; speeds and poses are the true ones."""
 
-    out_of_view: float = 0.0  # [s] with no marker in the picture while farther than FAR
+    out_of_view: float = 0.0  # [s] with no marker in the image while farther than FAR
     excess_speed: float = 0.0  # largest speed beyond its limit [m/s, rad/s]
     excess_bay_speed: float = 0.0  # [m/s] the same for the bay's
     excess_request: float = 0.0  # largest request beyond speed and acceleration limits [m/s, rad/s]
@@ -51,7 +51,7 @@ class Watch:
 
 
 class DockingRun:
-    """Closes the loop as the docking node does: odometry and pictures in message time, a cycle every control period."""
+    """Closes the loop as the docking node does: odometry and images in message time, a cycle every control period."""
 
     def __init__(
         self,
@@ -106,9 +106,9 @@ class DockingRun:
         )
 
     def _feed(self, due: Due) -> None:
-        for picture in due.pictures:
-            hypotheses = self._sensor.measure(picture.pose, self._rng)
-            self.sequence.add_detections(picture.stamp_ns / NANOSECONDS, hypotheses)
+        for image in due.images:
+            hypotheses = self._sensor.measure(image.pose, self._rng)
+            self.sequence.add_detections(image.stamp_ns / NANOSECONDS, hypotheses)
         sample = due.odometry
         if sample is None:
             return

@@ -29,7 +29,7 @@ from seater_nmpc.control.controller import DockingController
 from seater_nmpc.plan.navigator import Navigator
 
 OUT_OF_VIEW = 0.5  # [s] longest time without a marker in view
-_KEEP_EVERY = 10  # rows of the trajectory between two points of the picture
+_KEEP_EVERY = 10  # rows of the trajectory between two points of the image
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ def run_campaign(
         "starts": "x -4..-1 m, y +-1.5 m, heading +-60 deg, a marker found from the start, 0.1 m clear of the walls",
         "plant": dataclasses.asdict(setup.simulator.plant),
         "odometry": dataclasses.asdict(setup.simulator.odometry),
-        "pictures": {"rate_hz": setup.simulator.camera.rate, "latency_s": setup.simulator.camera.latency},
+        "images": {"rate_hz": setup.simulator.camera.rate, "latency_s": setup.simulator.camera.latency},
         "pose_noise": dataclasses.asdict(noise),
         "obstacles": "up to two random convex polygons, clear of the start, the bay and the lane into it",
         "solver": solver or setup.parameters.control.solver,

@@ -1,4 +1,4 @@
-"""What perception would say about the dock, without drawing a picture: which markers are seen, and with which error.
+"""What perception would say about the dock, without drawing an image: which markers are seen, and with which error.
 
 The pose of the dock is found from the corners of all visible markers; each corner coordinate has the standard deviation
 `corner_sigma`. To first order the error of the pose is then normal with covariance (J' J / sigma^2 + prior)^-1, J the
@@ -30,7 +30,7 @@ class NoiseModel:
     corner_sigma: float = param(0.05, "px", "standard deviation of a corner coordinate", low=0.001)
     tilt_sigma: float = param(0.035, "rad", "how far camera and markers are from upright", low=1e-4)
     min_side: float = param(18.0, "px", "smallest side of a marker that is still found", low=1.0)
-    border: float = param(3.0, "px", "how far inside the picture all corners have to be", low=0.0)
+    border: float = param(3.0, "px", "how far inside the image all corners have to be", low=0.0)
 
 
 class DockSensor:
@@ -48,18 +48,18 @@ class DockSensor:
         return np.asarray(self._T_optical_base @ np.linalg.inv(pose_matrix(T_dock_base)))
 
     def in_view(self, T_dock_base: ArrayLike) -> list[int]:
-        """Markers that are wholly in the picture, however far away."""
+        """Markers that are wholly in the image, however far away."""
         T = self.T_optical_dock(T_dock_base)
         return [i for i in range(len(self._markers)) if self._side(T, i) is not None]
 
     def visible(self, T_dock_base: ArrayLike) -> list[int]:
-        """Markers that are in the picture and large enough to be found."""
+        """Markers that are in the image and large enough to be found."""
         T = self.T_optical_dock(T_dock_base)
         sides = {i: self._side(T, i) for i in range(len(self._markers))}
         return [i for i, side in sides.items() if side is not None and side >= self._noise.min_side]
 
     def measure(self, T_dock_base: ArrayLike, rng: np.random.Generator) -> list[Hypothesis]:
-        """The hypotheses of one picture taken at this pose; empty when no marker is found."""
+        """The hypotheses of one image taken at this pose; empty when no marker is found."""
         T, seen = self.T_optical_dock(T_dock_base), self.visible(T_dock_base)
         noise = rng.standard_normal(6)  # drawn always, so that what is seen once does not change what follows
         if not seen:
@@ -83,7 +83,7 @@ class DockSensor:
         return np.asarray(0.5 * (covariance + covariance.T))
 
     def _side(self, T: Array, marker: int) -> float | None:
-        """Mean side in the picture [px]; None when a corner is outside or the print is seen from behind."""
+        """Mean side in the image [px]; None when a corner is outside or the print is seen from behind."""
         points = _transform(T, self._markers[marker])
         if np.any(points[:, 2] < 0.05) or float((T[:3, :3] @ self._normals[marker]) @ points.mean(axis=0)) >= 0.0:
             return None

@@ -1,4 +1,4 @@
-"""The picture of one docking: the bay, the path, the footprint along it, speeds and errors over time."""
+"""The image of one docking: the bay, the path, the footprint along it, speeds and errors over time."""
 
 from __future__ import annotations
 
@@ -159,13 +159,11 @@ def _draw_computation(axes: Axes, recording: Recording) -> None:
     _, t0 = _relative_time(recording)
     if len(recording.control):
         axes.plot(recording.control[:, 0] - t0, 1e3 * recording.control[:, 1], ".", color=PATH, ms=4, label="solver")
-    if len(recording.pictures):
-        seen = recording.pictures[:, 2] > 0
-        pictures = recording.pictures
-        axes.plot(pictures[seen, 0] - t0, 1e3 * pictures[seen, 3], ".", color=GOAL, ms=3, label="picture, dock seen")
-        axes.plot(
-            pictures[~seen, 0] - t0, 1e3 * pictures[~seen, 3], "x", color="#c03030", ms=5, label="picture, not seen"
-        )
+    if len(recording.images):
+        seen = recording.images[:, 2] > 0
+        images = recording.images
+        axes.plot(images[seen, 0] - t0, 1e3 * images[seen, 3], ".", color=GOAL, ms=3, label="image, dock seen")
+        axes.plot(images[~seen, 0] - t0, 1e3 * images[~seen, 3], "x", color="#c03030", ms=5, label="image, not seen")
     axes.set_ylim(0.0, 1.25 * axes.get_ylim()[1])
     axes.set_title("Computing time [ms]")
     axes.set_xlabel("time since the goal [s]")

@@ -32,7 +32,7 @@ class Recording:
     truth: Array = _empty(6)  # (n, 6): time, x, y, heading of base_link in the true dock frame, v [m/s], omega [rad/s]
     odom: Array = _empty(6)  # (n, 6): the same in odom, from the wheels
     dock_in_odom: Array = _empty(4)  # (n, 4): time, x, y, heading of the estimated dock in odom
-    pictures: Array = _empty(4)  # (n, 4): time, markers seen, dock seen (0 or 1), processing time [s]
+    images: Array = _empty(4)  # (n, 4): time, markers seen, dock seen (0 or 1), processing time [s]
     control: Array = _empty(6)  # (n, 6): time, solve time [s], iterations, status, asked v, asked omega
     commands: Array = _empty(3)  # (n, 3): time, v, omega as sent to the motors
     obstacles: list[Array] = field(default_factory=list)  # (n, 2) each [m], the last ones told in the dock's frame
@@ -46,7 +46,7 @@ def read_recording(path: str | Path) -> Recording:
     """Raises RecordingError when the bag is unreadable or has no ground truth."""
     import rosbag
 
-    rows: dict[str, list[list[float]]] = {k: [] for k in ("truth", "odom", "dock", "pictures", "control", "commands")}
+    rows: dict[str, list[list[float]]] = {k: [] for k in ("truth", "odom", "dock", "images", "control", "commands")}
     recording = Recording()
     try:
         with rosbag.Bag(str(path)) as bag:
@@ -61,7 +61,7 @@ def read_recording(path: str | Path) -> Recording:
     recording.truth = _sorted(rows["truth"], 6)
     recording.odom = _sorted(rows["odom"], 6)
     recording.dock_in_odom = _sorted(rows["dock"], 4)
-    recording.pictures = _sorted(rows["pictures"], 4)
+    recording.images = _sorted(rows["images"], 4)
     recording.control = _sorted(rows["control"], 6)
     recording.commands = _sorted(rows["commands"], 3)
     return recording
@@ -106,7 +106,7 @@ def _read_dock(message: Any, rows: dict[str, list[list[float]]], _: Recording) -
 
 def _read_detections(message: Any, rows: dict[str, list[list[float]]], _: Recording) -> None:
     stamp = message.header.stamp.to_sec()
-    rows["pictures"].append([stamp, len(message.markers), float(bool(message.dock)), message.processing_time])
+    rows["images"].append([stamp, len(message.markers), float(bool(message.dock)), message.processing_time])
 
 
 def _read_status(message: Any, rows: dict[str, list[list[float]]], recording: Recording) -> None:

@@ -1,7 +1,7 @@
-"""What a replay found: one line per picture, one line per control cycle, and a summary of both.
+"""What a replay found: one line per image, one line per control cycle, and a summary of both.
 
-Times [s] are stamps of the recording; poses (x [m], y [m], heading [rad]) are the dock in odom: the picture's dock pose
-taken through the camera mount and the odometry at the picture's own time. Where nothing was measured a field is empty.
+Times [s] are stamps of the recording; poses (x [m], y [m], heading [rad]) are the dock in odom: the image's dock pose
+taken through the camera mount and the odometry at the image's own time. Where nothing was measured a field is empty.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 
 
 @dataclass
-class PictureRow:
-    """One picture of the recording."""
+class ImageRow:
+    """One image of the recording."""
 
     stamp: float
     markers: int  # markers found
@@ -60,23 +60,21 @@ def write_csv(path: Path, rows: Sequence[Any], row_type: type) -> None:
             writer.writerow(["" if getattr(row, n) is None else getattr(row, n) for n in names])
 
 
-def summarize_replay(
-    pictures: Sequence[PictureRow], cycles: Sequence[CycleRow], pictures_in_bag: int
-) -> dict[str, Any]:
+def summarize_replay(images: Sequence[ImageRow], cycles: Sequence[CycleRow], images_in_bag: int) -> dict[str, Any]:
     """The contents of summary.json.
 
-    Pose jitter is the standard deviation of the noise from picture to picture: rms of second differences / sqrt(6),
+    Pose jitter is the standard deviation of the noise from image to image: rms of second differences / sqrt(6),
     which leaves out steady drift and motion.
     """
-    seen = [p for p in pictures if p.dock_seen]
+    seen = [p for p in images if p.dock_seen]
     poses = np.array([[p.dock_x, p.dock_y, p.dock_heading] for p in seen if p.dock_x is not None], dtype=float)
-    processing = np.array([p.processing_ms for p in pictures], dtype=float)
+    processing = np.array([p.processing_ms for p in images], dtype=float)
     return {
-        "pictures_in_bag": pictures_in_bag,
-        "pictures_worked_through": len(pictures),
+        "images_in_bag": images_in_bag,
+        "images_worked_through": len(images),
         "dock_detected": len(seen),
-        "detection_rate": len(seen) / len(pictures) if pictures else 0.0,
-        "longest_gap_s": _longest_gap([p.stamp for p in pictures], [p.stamp for p in seen]),
+        "detection_rate": len(seen) / len(images) if images else 0.0,
+        "longest_gap_s": _longest_gap([p.stamp for p in images], [p.stamp for p in seen]),
         "pose_jitter": _jitter(poses),
         "perception_ms": spread(processing),
         "shadow_controller": _shadow(cycles),
@@ -87,17 +85,17 @@ def replay_table(summary: dict[str, Any]) -> str:
     """The summary for a person."""
     jitter, perception, shadow = summary["pose_jitter"], summary["perception_ms"], summary["shadow_controller"]
     lines = [
-        f"  pictures                 {summary['pictures_worked_through']} of {summary['pictures_in_bag']} in the bag",
+        f"  images                 {summary['images_worked_through']} of {summary['images_in_bag']} in the bag",
         f"  dock detected            {summary['dock_detected']} ({100 * summary['detection_rate']:.1f} %),"
         f" longest gap {summary['longest_gap_s']:.2f} s",
     ]
     if jitter is not None:
         lines.append(
             f"  pose jitter (1 sd)       {1e3 * jitter['position_m']:.2f} mm, {jitter['heading_deg']:.3f} deg"
-            " (dock in odom, picture to picture)"
+            " (dock in odom, image to image)"
         )
     lines += [
-        f"  perception per picture   median {perception['median']:.1f} ms, p99 {perception['p99']:.1f} ms (wall time)",
+        f"  perception per image   median {perception['median']:.1f} ms, p99 {perception['p99']:.1f} ms (wall time)",
         f"  shadow controller        {shadow['cycles']} cycles, solve median {shadow['solve_ms']['median']:.1f} ms,"
         f" p99 {shadow['solve_ms']['p99']:.1f} ms",
         f"  would have asked for     at most {shadow['v_max']:.2f} m/s and {shadow['omega_max']:.2f} rad/s",

@@ -95,9 +95,9 @@ def table(summary: dict[str, Any]) -> str:
         f"  smallest clearance        {1e3 * summary['min_clearance_m']:.0f} mm",
         f"  solve time                median {solve['median']:.1f} ms, p99 {solve['p99']:.1f} ms,"
         f" max {solve['max']:.1f} ms ({solve['cycles']} cycles)",
-        f"  pictures                  {perception['frames']} at {perception['rate_hz']:.1f} Hz (simulated),"
+        f"  images                  {perception['frames']} at {perception['rate_hz']:.1f} Hz (simulated),"
         f" dock seen in {perception['detected']}",
-        f"  perception per picture    median {perception['latency_ms']['median']:.1f} ms,"
+        f"  perception per image    median {perception['latency_ms']['median']:.1f} ms,"
         f" p99 {perception['latency_ms']['p99']:.1f} ms (wall time, receive to publish)",
     ]
     return "\n".join(lines)
@@ -125,13 +125,13 @@ def _estimate_error(recording: Recording) -> dict[str, float] | None:
 
 
 def _perception(recording: Recording) -> dict[str, Any]:
-    pictures = recording.pictures
-    span = float(pictures[-1, 0] - pictures[0, 0]) if len(pictures) > 1 else 0.0
+    images = recording.images
+    span = float(images[-1, 0] - images[0, 0]) if len(images) > 1 else 0.0
     return {
-        "frames": len(pictures),
-        "detected": int(np.sum(pictures[:, 2])),
-        "rate_hz": (len(pictures) - 1) / span if span > 0.0 else 0.0,
-        "latency_ms": spread(1e3 * pictures[:, 3]),
+        "frames": len(images),
+        "detected": int(np.sum(images[:, 2])),
+        "rate_hz": (len(images) - 1) / span if span > 0.0 else 0.0,
+        "latency_ms": spread(1e3 * images[:, 3]),
     }
 
 

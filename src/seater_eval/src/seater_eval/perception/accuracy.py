@@ -1,4 +1,4 @@
-"""Error over distance for each marker size, beside the Cramer-Rao bound and other detectors on the same pictures."""
+"""Error over distance for each marker size, beside the Cramer-Rao bound and other detectors on the same images."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from seater_eval.perception import subject
 from seater_eval.perception.accuracy_cells import BranchJob, CellJob, count_wrong_branches, run_cell, table_bounds
 from seater_eval.perception.degraded_camera import load_degraded_camera
 from seater_eval.perception.peers import LABELS
-from seater_eval.perception.published import published_pictures
+from seater_eval.perception.published import published_images
 from seater_eval.report.bars import Bar, text_table
 from seater_eval.report.evaluation_style import figure, save
 from seater_eval.run.long_run import run_long
@@ -38,7 +38,7 @@ QUICK_CELLS = (
 )
 NEAR = (0.35, 1.25)  # [m] where the paper calls the 100 mm marker most accurate
 TIMES_BOUND, TIMES_OPENCV, FEWER = 2.0, 10.0, 5.0
-FOUND = 0.9  # share of the pictures that have to be found before their errors count
+FOUND = 0.9  # share of the images that have to be found before their errors count
 COLOURS = {
     "seater": "#2e9e4f",
     "opencv_none": "#8a8f98",
@@ -50,7 +50,7 @@ COLOURS = {
 
 
 def run_accuracy(config: str | Path, quick: bool, partial: Path | None = None) -> dict[str, Any]:
-    """All cells, the wrong-branch frames, the published pictures. `partial`: see run_long. Raises ParameterError."""
+    """All cells, the wrong-branch frames, the published images. `partial`: see run_long. Raises ParameterError."""
     config = str(config)
     camera = load_degraded_camera(Path(config) / "cameras" / "degraded.yaml")
     subject.make_detector(camera, 0.1, subject.perception_parameters(config), prior=True)  # wrong parameters: now
@@ -58,8 +58,8 @@ def run_accuracy(config: str | Path, quick: bool, partial: Path | None = None) -
         wanted = [(size, z, math.radians(angle)) for size, z, angle in QUICK_CELLS]
     else:
         wanted = [(size, z, angle) for size in SIZES for z in DISTANCES[size] for angle in ANGLES]
-    methods, pictures, slow, frames = (QUICK_METHODS, 24, 0, 60) if quick else (METHODS, 48, 12, 3000)
-    jobs = [CellJob(config, *cell, pictures, slow, methods, i) for i, cell in enumerate(wanted)]
+    methods, images, slow, frames = (QUICK_METHODS, 24, 0, 60) if quick else (METHODS, 48, 12, 3000)
+    jobs = [CellJob(config, *cell, images, slow, methods, i) for i, cell in enumerate(wanted)]
     jobs.sort(key=lambda job: job.distance / job.size)  # the longest first, so that no core waits at the end
     blocks = [BranchJob(config, first, min(first + 20, frames)) for first in range(0, frames, 20)]
     results = run_long(run_part, [*jobs, *blocks], label="perception_accuracy", config=config, partial=partial)
@@ -70,7 +70,7 @@ def run_accuracy(config: str | Path, quick: bool, partial: Path | None = None) -
         "conditions": {k: getattr(camera, k) for k in camera.__dataclass_fields__},
         "cells": cells,
         "branches": {key: sum(c[key] for c in counts) for key in counts[0]},
-        "published": published_pictures(config),
+        "published": published_images(config),
     }
 
 
@@ -166,7 +166,7 @@ def _inside_table_bounds(nees: dict[str, Any], cells: int) -> bool:
 
 
 def describe_accuracy(data: dict[str, Any]) -> str:
-    """One line for each cell; then wrong branches and published pictures."""
+    """One line for each cell; then wrong branches and published images."""
     methods = [m for m in data["cells"][0]["methods"] if m != "seater"]
     head = ["cell", "found", "bound", "seater", "p95", "deg", *methods, "NEES", "95 % bounds", "wrong"]
     rows = []
@@ -185,15 +185,15 @@ def describe_accuracy(data: dict[str, Any]) -> str:
         f"{text_table(head, rows)}\n  Median position errors in mm (of what was found).\n  Wrong branches: {branches}"
     )
     if data["published"] is None:
-        return text + "\n  SKIPPED: the published pictures (Debian's package visp-images-data is not installed)"
+        return text + "\n  SKIPPED: the published images (Debian's package visp-images-data is not installed)"
     lines = [
         f"    {LABELS[m]}: {p['found']} found, median {_short(p['median_mm'])} mm, worst {_short(p['worst_mm'])} mm; from"
         f" the common poses {_short(p['from_corners_median_mm'])}, {_short(p['from_corners_worst_mm'])} mm"
         for m, p in data["published"].items()
         if isinstance(p, dict)
     ]
-    title = f"\n  Published pictures, {data['published']['tags']} tags"
-    return text + title + " (common poses: of the package's corners in all three pictures):\n" + "\n".join(lines)
+    title = f"\n  Published images, {data['published']['tags']} tags"
+    return text + title + " (common poses: of the package's corners in all three images):\n" + "\n".join(lines)
 
 
 def _short(value: float | None) -> str:
@@ -227,6 +227,6 @@ def draw_accuracy(data: dict[str, Any], path: Path) -> Path:
     fig.get_layout_engine().set(rect=(0.0, 0.12, 1.0, 0.88))
     fig.legend(handles, labels, loc="lower center", ncols=4, fontsize=9)
     fig.suptitle(
-        "How exactly a marker's position is measured: 0 to 30 deg from frontal, all methods on the same pictures"
+        "How exactly a marker's position is measured: 0 to 30 deg from frontal, all methods on the same images"
     )
     return save(fig, path)

@@ -1,4 +1,4 @@
-"""One cell of the accuracy table: a marker size, a distance and an angle; all methods on the same pictures."""
+"""One cell of the accuracy table: a marker size, a distance and an angle; all methods on the same images."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from seater_eval.perception import subject
 from seater_eval.perception.bound import cramer_rao, unknowns
 from seater_eval.perception.degraded_camera import load_degraded_camera
 from seater_eval.perception.peers import Detector, Seen, best_of_ippe, dictionary_of, make_peer
-from seater_eval.perception.render import Print, box_of, clean_picture, exposed
+from seater_eval.perception.render import Print, box_of, clean_image, exposed
 from seater_eval.perception.scenes import (
     WRONG_BRANCH,
     normal_error,
@@ -34,8 +34,8 @@ class CellJob:
     size: float  # [m]
     distance: float  # [m]
     angle: float  # [rad]
-    pictures: int
-    slow_pictures: int  # of them also given to OpenCV's APRILTAG refinement
+    images: int
+    slow_images: int  # of them also given to OpenCV's APRILTAG refinement
     methods: tuple[str, ...]
     index: int  # of the cell, for its random numbers
 
@@ -56,21 +56,21 @@ def run_cell(job: CellJob) -> dict[str, Any]:
     errors: dict[str, list[tuple[float, float]]] = {name: [] for name in job.methods}
     shown = dict.fromkeys(job.methods, 0)
     nees, bounds, wrong = [], [], 0
-    for k in range(job.pictures):
+    for k in range(job.images):
         random = np.random.default_rng(job_seed(job.index, k))
         pose = upright(job.distance, job.angle, random)
-        clean, picture = {}, {}
+        clean, exposures = {}, {}
         for dictionary in dict.fromkeys(dictionary_of(name) for name in job.methods):
-            clean[dictionary] = clean_picture([Print(dictionary, 0, job.size, pose)], camera)
-            picture[dictionary] = exposed(clean[dictionary], camera.noise_sd, random)
+            clean[dictionary] = clean_image([Print(dictionary, 0, job.size, pose)], camera)
+            exposures[dictionary] = exposed(clean[dictionary], camera.noise_sd, random)
         truth = Print(subject.DICTIONARY, 0, job.size, pose)
         if k % 4 == 0:
             bounds.append(bound_entry(cramer_rao(truth, camera, blur=unknown.blur, slope=unknown.slope)))
         for name in job.methods:
-            if name == "opencv_apriltag" and k >= job.slow_pictures:
+            if name == "opencv_apriltag" and k >= job.slow_images:
                 continue
             shown[name] += 1
-            image = picture[dictionary_of(name)]
+            image = exposures[dictionary_of(name)]
             if name == "seater":
                 markers = [m for m in _detector(job.config, name, job.size).detect(image).markers if m.id == 0]
                 if markers:
@@ -86,7 +86,7 @@ def run_cell(job: CellJob) -> dict[str, Any]:
         "size": job.size,
         "distance": job.distance,
         "angle_deg": math.degrees(job.angle),
-        "pictures": job.pictures,
+        "images": job.images,
         "bound_mm": float(np.mean([b[0] for b in bounds])),
         "bound_median_mm": float(np.mean([b[1] for b in bounds])),
         "bound_draws_mm": [float(length) for b in bounds for length in b[3]],
@@ -98,7 +98,7 @@ def run_cell(job: CellJob) -> dict[str, Any]:
 
 
 def _cut_detect(detect: Detector, image: Any, truth: Print, camera: Any) -> list[Seen]:
-    """The part of the picture round the marker only, because this method takes up to a second for a whole one."""
+    """The part of the image round the marker only, because this method takes up to a second for a whole one."""
     x0, y0, x1, y1 = box_of(truth, camera, 4.0, 40.0)
     x0, y0 = x0 - x0 % 16, y0 - y0 % 16
     K = camera.K.copy()
@@ -144,7 +144,7 @@ def nees_entry(nees: list[float]) -> dict[str, Any]:
 
 
 def table_bounds(count: int, cells: int) -> tuple[float, float]:
-    """Bounds of the mean normalised error of `count` pictures that a right covariance keeps in all of `cells` independent
+    """Bounds of the mean normalised error of `count` images that a right covariance keeps in all of `cells` independent
     cells with a probability of 95 % (Sidak, "Rectangular confidence regions", 1967)."""
     outside = 0.5 * (1.0 - 0.95 ** (1.0 / cells))
     low, high = (float(chi2.ppf(p, 6 * count)) / count for p in (outside, 1.0 - outside))
@@ -173,7 +173,7 @@ def count_wrong_branches(job: BranchJob) -> dict[str, int]:
         random = np.random.default_rng(job_seed(23, k))
         angle = math.radians(random.uniform(0.0, 3.0) if k % 2 == 0 else random.uniform(3.0, 30.0))
         pose = upright(float(random.uniform(0.35, 2.0)), angle, random)
-        clean = clean_picture([Print(subject.DICTIONARY, 0, size, pose)], camera)
+        clean = clean_image([Print(subject.DICTIONARY, 0, size, pose)], camera)
         image = exposed(clean, camera.noise_sd, random)
         counts["frames"] += 1
         for name in ("seater", "seater without prior"):

@@ -1,4 +1,4 @@
-"""The Cramer-Rao bound of a picture of one marker: no unbiased estimator of its pose has a smaller covariance."""
+"""The Cramer-Rao bound of an image of one marker: no unbiased estimator of its pose has a smaller covariance."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def cramer_rao(print_: Print, camera: DegradedCamera, *, blur: int = 1, slope: b
     """(6, 6) smallest covariance of the pose error (d, w) as in `moved`: x y z [m], rotation [rad].
 
     Unknown beside the pose: brightness offset and gain; if told so the blur (see Unknowns) and two slopes of the brightness.
-    A Gaussian blur's derivative by its covariance is half the second derivative of the blurred picture. The Fisher
-    information is J^T J / variance with J the derivative of the noise-free picture, by central differences of the renderer
+    A Gaussian blur's derivative by its covariance is half the second derivative of the blurred image. The Fisher
+    information is J^T J / variance with J the derivative of the noise-free image, by central differences of the renderer
     (Kay, "Fundamentals of Statistical Signal Processing: Estimation Theory", 3.9); the variance is that of noise and rounding.
     The paper is taken as endless: where the sheet ends tells an estimator nothing that knows only the print.
     """

@@ -1,4 +1,4 @@
-"""Pictures in which there is no marker of the dictionary looked for, but much that resembles one."""
+"""Images in which there is no marker of the dictionary looked for, but much that resembles one."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-Picture = NDArray[np.uint8]
+Image = NDArray[np.uint8]
 KINDS = ("noise", "checkerboard", "text", "foliage", "other dictionaries")
 OTHER_IDS = "same dictionary, other ids"  # nothing for who looks for the dock's ids alone
 DICTIONARY, FIRST_OTHER = "DICT_4X4_50", 3  # the dock has 0, 1 and 2
@@ -23,8 +23,8 @@ OTHERS = (
 )
 
 
-def negative(kind: str, width: int, height: int, blur_sd: float, noise_sd: float, seed: int) -> Picture:
-    """One picture (height, width) of a kind of KINDS or OTHER_IDS, through the same blur and noise as the others."""
+def negative(kind: str, width: int, height: int, blur_sd: float, noise_sd: float, seed: int) -> Image:
+    """One image (height, width) of a kind of KINDS or OTHER_IDS, through the same blur and noise as the others."""
     random = np.random.default_rng(seed)
     canvas = _DRAW[kind](random, width, height).astype(np.float32)
     if kind != "noise" and blur_sd > 0.0:
@@ -33,7 +33,7 @@ def negative(kind: str, width: int, height: int, blur_sd: float, noise_sd: float
     return np.asarray(np.clip(np.rint(noisy), 0, 255), dtype=np.uint8)
 
 
-def _noise(random: np.random.Generator, width: int, height: int) -> Picture:
+def _noise(random: np.random.Generator, width: int, height: int) -> Image:
     """White or correlated, weak or strong."""
     grain = random.uniform(0.0, 6.0)
     base = random.standard_normal((height, width), dtype=np.float32)
@@ -43,7 +43,7 @@ def _noise(random: np.random.Generator, width: int, height: int) -> Picture:
     return np.asarray(np.clip(128.0 + base, 0, 255), dtype=np.uint8)
 
 
-def _checkerboard(random: np.random.Generator, width: int, height: int) -> Picture:
+def _checkerboard(random: np.random.Generator, width: int, height: int) -> Image:
     """A regular board seen obliquely, or squares that are black by chance: random codes without a border."""
     n = int(random.integers(6, 40))
     if random.random() < 0.5:
@@ -54,7 +54,7 @@ def _checkerboard(random: np.random.Generator, width: int, height: int) -> Pictu
     return _warped(random, texture, width, height)
 
 
-def _text(random: np.random.Generator, width: int, height: int) -> Picture:
+def _text(random: np.random.Generator, width: int, height: int) -> Image:
     """Lines of letters in sizes from a line of print to a headline."""
     page = np.full((height, width), int(random.integers(180, 240)), np.uint8)
     letters = np.array(list(string.ascii_letters + string.digits + "#@%&[]{}|"))
@@ -70,7 +70,7 @@ def _text(random: np.random.Generator, width: int, height: int) -> Picture:
     return page
 
 
-def _foliage(random: np.random.Generator, width: int, height: int) -> Picture:
+def _foliage(random: np.random.Generator, width: int, height: int) -> Image:
     """Overlapping leaves: ellipses and four-sided patches of every size, light and dark."""
     page = np.full((height, width), 90, np.uint8)
     for _ in range(900):
@@ -86,7 +86,7 @@ def _foliage(random: np.random.Generator, width: int, height: int) -> Picture:
     return page
 
 
-def _other_dictionaries(random: np.random.Generator, width: int, height: int) -> Picture:
+def _other_dictionaries(random: np.random.Generator, width: int, height: int) -> Image:
     """A dozen markers with other codes on white sheets."""
     page = np.full((height, width), 150, np.uint8)
     for _ in range(12):
@@ -102,7 +102,7 @@ def _other_dictionaries(random: np.random.Generator, width: int, height: int) ->
     return page
 
 
-def _other_ids(random: np.random.Generator, width: int, height: int) -> Picture:
+def _other_ids(random: np.random.Generator, width: int, height: int) -> Image:
     """Two dozen small markers of the dictionary, with ids that the dock has not: at 12 px codes are much alike."""
     page = np.full((height, width), 150, np.uint8)
     markers = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
@@ -116,7 +116,7 @@ def _other_ids(random: np.random.Generator, width: int, height: int) -> Picture:
     return page
 
 
-def _warped(random: np.random.Generator, texture: Picture, width: int, height: int) -> Picture:
+def _warped(random: np.random.Generator, texture: Image, width: int, height: int) -> Image:
     n = texture.shape[0]
     source = np.array([[0, 0], [n, 0], [n, n], [0, n]], np.float32)
     target = source * (min(width, height) / n) * random.uniform(0.5, 1.2)

@@ -1,4 +1,4 @@
-"""Other people's marker detectors on the same pictures, with our conventions: corners in pixels whose centres are whole
+"""Other people's marker detectors on the same images, with our conventions: corners in pixels whose centres are whole
 numbers, poses T_optical_marker with x right, y up as the print is read, z out of the paper."""
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from seater_eval.run.silence import silence
 
 Array = NDArray[np.float64]
-Picture = NDArray[np.uint8]
+Image = NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Seen:
     pose: Array  # (4, 4)
 
 
-Detector = Callable[[Picture], list[Seen]]
+Detector = Callable[[Image], list[Seen]]
 
 PEERS = ("opencv_none", "opencv_default", "opencv_scaled", "opencv_apriltag", "pupil_apriltags")
 LABELS = {
@@ -42,7 +42,7 @@ APRILTAG_FAMILY, APRILTAG_DICTIONARY = "tag36h11", "DICT_APRILTAG_36h11"
 
 
 def dictionary_of(name: str) -> str:
-    """The dictionary of the pictures that a peer is shown."""
+    """The dictionary of the images that a peer is shown."""
     return APRILTAG_DICTIONARY if name == "pupil_apriltags" else "DICT_4X4_50"
 
 
@@ -73,14 +73,14 @@ def _opencv(name: str, K: Array, size: float, dictionary: str) -> Detector:
     cells = markers.markerSize + 2
     distortion = np.zeros(5)
 
-    def detect(picture: Picture) -> list[Seen]:
-        corners, ids, _ = cv2.aruco.detectMarkers(picture, markers, parameters=parameters)
+    def detect(image: Image) -> list[Seen]:
+        corners, ids, _ = cv2.aruco.detectMarkers(image, markers, parameters=parameters)
         if ids is None:
             return []
         if name == "opencv_scaled":
-            corners = [_scaled_sub_pixel(picture, c, cells) for c in corners]
+            corners = [_scaled_sub_pixel(image, c, cells) for c in corners]
         if name == "opencv_apriltag":
-            corners = [c - np.float32(0.5) for c in corners]  # this method counts from the picture's corner
+            corners = [c - np.float32(0.5) for c in corners]  # this method counts from the image's corner
         turns, places, _ = cv2.aruco.estimatePoseSingleMarkers(corners, size, K, distortion)
         seen = []
         for i, r, t, c in zip(ids.ravel(), turns, places, corners, strict=True):
@@ -92,12 +92,12 @@ def _opencv(name: str, K: Array, size: float, dictionary: str) -> Detector:
     return detect
 
 
-def _scaled_sub_pixel(picture: Picture, corners: NDArray[np.float32], cells: int) -> NDArray[np.float32]:
+def _scaled_sub_pixel(image: Image, corners: NDArray[np.float32], cells: int) -> NDArray[np.float32]:
     """cornerSubPix with a half window of 0.4 cells, at least 2 px."""
     side = float(np.linalg.norm(corners[0] - np.roll(corners[0], 1, axis=0), axis=1).mean())
     half = max(2, min(15, round(0.4 * side / cells)))
     criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 30, 0.01)
-    refined = cv2.cornerSubPix(picture, corners.reshape(-1, 1, 2).copy(), (half, half), (-1, -1), criteria)
+    refined = cv2.cornerSubPix(image, corners.reshape(-1, 1, 2).copy(), (half, half), (-1, -1), criteria)
     return np.asarray(refined.reshape(1, 4, 2))
 
 
@@ -113,15 +113,15 @@ def _pupil_apriltags(K: Array, size: float) -> Detector:
             pass
 
     detector = Kept(families=APRILTAG_FAMILY, nthreads=1, quad_decimate=1.0)
-    # It counts from the picture's corner: everything is half a pixel larger, the principal point too.
+    # It counts from the image's corner: everything is half a pixel larger, the principal point too.
     camera = (K[0, 0], K[1, 1], K[0, 2] + 0.5, K[1, 2] + 0.5)
     # Its y goes down and its z into the paper; OpenCV's dictionary has the tags turned by half a turn.
     to_ours = np.diag([-1.0, 1.0, -1.0])
 
-    def detect(picture: Picture) -> list[Seen]:
+    def detect(image: Image) -> list[Seen]:
         seen = []
         with silence():  # it tells on standard output of poses with more than two minima
-            tags = detector.detect(picture, estimate_tag_pose=True, camera_params=camera, tag_size=size)
+            tags = detector.detect(image, estimate_tag_pose=True, camera_params=camera, tag_size=size)
         for tag in tags:
             pose = np.eye(4)
             pose[:3, :3], pose[:3, 3] = tag.pose_R @ to_ours, tag.pose_t.ravel()

@@ -1,4 +1,4 @@
-"""The AprilTag pictures of Debian's package visp-images-data: known poses, made by others."""
+"""The AprilTag images of Debian's package visp-images-data: known poses, made by others."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ FOLDER = Path("/usr/share/visp-images-data/ViSP-images/AprilTag/benchmark/640x48
 FAMILIES = (("16_05", "DICT_APRILTAG_16h5", 6), ("25_09", "DICT_APRILTAG_25h9", 7), ("36_11", "DICT_APRILTAG_36h11", 8))
 HALF_SIZE = (3, 4)  # these tags are half as large
 CORNERS = "published_corners"
-# Their pixels count from the picture's corner: the principal point (320, 240) is (319.5, 239.5) here.
+# Their pixels count from the image's corner: the principal point (320, 240) is (319.5, 239.5) here.
 CAMERA = DegradedCamera(640, 480, 700.0, 0.0, 0.0, 0.0, 255.0, 255.0, 1.0)
 OPENCV = ("opencv_none", "opencv_default", "opencv_scaled", "opencv_apriltag")
 
 
 def read_corners(path: Path) -> dict[int, NDArray[np.float64]]:
     """Id -> (4, 2) [px] in our convention, top left first, clockwise as the print is read. In the file: id, then four lines, in
-    pixels that count from the picture's corner, anticlockwise, and of a print turned by half a turn."""
+    pixels that count from the image's corner, anticlockwise, and of a print turned by half a turn."""
     numbers = path.read_text().split()
     tags = [numbers[i : i + 9] for i in range(0, len(numbers), 9)]
     return {int(tag[0]): np.array(tag[1:], dtype=float).reshape(4, 2)[[1, 0, 3, 2]] - 0.5 for tag in tags}
@@ -38,8 +38,8 @@ def position_from_corners(corners: NDArray[np.float64], camera: DegradedCamera, 
 
 
 def common_positions() -> dict[int, NDArray[np.float64]]:
-    """Tag id -> (3,) [m]: the pose that the package's corners of all three pictures together give. In all of them a tag has
-    one pose, so that this says what the pictures show where the package's own poses deviate from it (by up to 0.4 px)."""
+    """Tag id -> (3,) [m]: the pose that the package's corners of all three images together give. In all of them a tag has
+    one pose, so that this says what the images show where the package's own poses deviate from it (by up to 0.4 px)."""
     points: dict[int, list[Any]] = {}
     seen: dict[int, list[Any]] = {}
     for family, _, cells in FAMILIES:
@@ -54,7 +54,7 @@ def common_positions() -> dict[int, NDArray[np.float64]]:
     return positions
 
 
-def published_pictures(config: str | Path) -> dict[str, Any] | None:
+def published_images(config: str | Path) -> dict[str, Any] | None:
     """Tags found, errors of position [mm] of each method, and the same against common_positions; None when the package is
     not installed. `published_corners`: the poses that the package's own corners give, which says how exact its poses are."""
     if not FOLDER.is_dir():
@@ -62,7 +62,7 @@ def published_pictures(config: str | Path) -> dict[str, Any] | None:
     parameters = subject.perception_parameters(config)
     seen: dict[str, list[tuple[int, NDArray[np.float64]]]] = {name: [] for name in ("seater", *OPENCV, CORNERS)}
     for family, dictionary, cells in FAMILIES:
-        picture = cv2.imread(str(FOLDER / f"tag{family}_640x480.png"), cv2.IMREAD_GRAYSCALE)
+        image = cv2.imread(str(FOLDER / f"tag{family}_640x480.png"), cv2.IMREAD_GRAYSCALE)
         corners = read_corners(FOLDER / f"corners_tag{family}.txt")
         for half in (False, True):
             size = _size(cells, half)
@@ -72,7 +72,7 @@ def published_pictures(config: str | Path) -> dict[str, Any] | None:
                 seen[CORNERS].append((tag, position_from_corners(corners[tag], CAMERA, size)))
             for name in ("seater", *OPENCV):
                 detect = subject.as_peer(detector) if name == "seater" else make_peer(name, CAMERA.K, size, dictionary)
-                found = [s for s in detect(picture) if 0 <= s.id < 5 and (s.id in HALF_SIZE) == half]
+                found = [s for s in detect(image) if 0 <= s.id < 5 and (s.id in HALF_SIZE) == half]
                 seen[name] += [(s.id, s.pose[:3, 3]) for s in found]
     common = common_positions()
     result: dict[str, Any] = {"tags": 5 * len(FAMILIES)}

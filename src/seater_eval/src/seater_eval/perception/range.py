@@ -16,7 +16,7 @@ from seater_eval.perception import subject
 from seater_eval.perception.degraded_camera import DegradedCamera, load_degraded_camera
 from seater_eval.perception.negatives import KINDS, OTHER_IDS, negative
 from seater_eval.perception.peers import LABELS, Detector, dictionary_of, make_peer
-from seater_eval.perception.render import Picture, Print, clean_picture, exposed
+from seater_eval.perception.render import Image, Print, clean_image, exposed
 from seater_eval.perception.scenes import facing
 from seater_eval.report.bars import Bar, text_table
 from seater_eval.report.evaluation_style import figure, save
@@ -24,7 +24,7 @@ from seater_eval.run.long_run import run_long
 from seater_eval.run.parallel import job_seed
 
 PAPER = {0.05: (0.050, 1.500), 0.10: (0.090, 2.840), 0.15: (0.140, 3.750)}  # side -> nearest, farthest [m]
-NEEDED = 0.9  # share of pictures in which the marker has to be found
+NEEDED = 0.9  # share of images in which the marker has to be found
 FARTHER, CALIBRATION = 1.5, 0.1
 ALL_IDS, TRACK, PLAIN = "seater, all ids", "seater, tracking", "opencv_none"
 FULL_METHODS = ("seater", ALL_IDS, TRACK, PLAIN, "opencv_default", "pupil_apriltags")
@@ -42,7 +42,7 @@ COLOURS = {
     "pupil_apriltags": "#1f6fb4",
 }
 DOCK_IDS = (0, 1, 2)  # of config/docks/default.yaml: what the nodelet looks for
-AWAY = 0.03  # tracking: how much farther away from picture to picture [parts of the distance]
+AWAY = 0.03  # tracking: how much farther away from image to image [parts of the distance]
 
 
 @dataclass(frozen=True)
@@ -53,13 +53,13 @@ class RangeJob:
     method: str
     size: float  # [m]
     far: bool
-    pictures: int
+    images: int
     steps: int
 
 
 @dataclass(frozen=True)
 class NegativeJob:
-    """Pictures first .. last - 1 without markers."""
+    """Images first .. last - 1 without markers."""
 
     config: str
     first: int
@@ -88,8 +88,8 @@ def _subject(config: str, method: str, size: float) -> Any:
     return subject.make_detector(camera, size, parameters, prior=known, tracking=method == TRACK, ids=DOCK_IDS)
 
 
-def _picture(config: str, method: str, size: float, distance: float, index: int, near: bool) -> tuple[Picture, int]:
-    """Picture number `index` of a marker at this distance, and its id. `near`: it fills the picture, so it is in the middle."""
+def _image(config: str, method: str, size: float, distance: float, index: int, near: bool) -> tuple[Image, int]:
+    """Image number `index` of a marker at this distance, and its id. `near`: it fills the image, so it is in the middle."""
     camera = camera_of(config)
     random = np.random.default_rng(job_seed(7, index))
     spread, tilt = (0.0005, 0.001) if near else (0.1, 0.05)
@@ -100,22 +100,22 @@ def _picture(config: str, method: str, size: float, distance: float, index: int,
     if method in ("seater", TRACK):
         marker = DOCK_IDS[marker % len(DOCK_IDS)]
     print_ = Print(dictionary_of(method), marker, size, pose)
-    return exposed(clean_picture([print_], camera), camera.noise_sd, random), marker
+    return exposed(clean_image([print_], camera), camera.noise_sd, random), marker
 
 
-def detection_rate(config: str, method: str, size: float, distance: float, pictures: int, near: bool) -> float:
-    """Share of pictures, each for itself, in which the marker is found with its id."""
+def detection_rate(config: str, method: str, size: float, distance: float, images: int, near: bool) -> float:
+    """Share of images, each for itself, in which the marker is found with its id."""
     if method == TRACK:
-        return tracking_rate(config, size, distance, pictures)
+        return tracking_rate(config, size, distance, images)
     detect, found = _detector(config, method, size), 0
-    for index in range(pictures):
-        picture, marker = _picture(config, method, size, distance, index, near)
-        found += any(seen.id == marker for seen in detect(picture))
-    return found / pictures
+    for index in range(images):
+        image, marker = _image(config, method, size, distance, index, near)
+        found += any(seen.id == marker for seen in detect(image))
+    return found / images
 
 
-def tracking_rate(config: str, size: float, distance: float, pictures: int) -> float:
-    """Share of pictures at this distance in which the track shows the marker, after it was followed there from the distance
+def tracking_rate(config: str, size: float, distance: float, images: int) -> float:
+    """Share of images at this distance in which the track shows the marker, after it was followed there from the distance
     at which the paper's camera sees it. What is lost on the way has to be found again by a full search."""
     camera = camera_of(config)
     tracker, found = _subject(config, TRACK, size), 0
@@ -123,13 +123,13 @@ def tracking_rate(config: str, size: float, distance: float, pictures: int) -> f
     way = [start * (1.0 + AWAY) ** k for k in range(math.ceil(math.log(distance / start) / math.log(1.0 + AWAY)))]
     random = np.random.default_rng(job_seed(8, round(1e4 * distance)))
     turn = random.uniform(-0.05, 0.05, 3)
-    for index, z in enumerate([*way, *([distance] * pictures)]):
+    for index, z in enumerate([*way, *([distance] * images)]):
         x, y = (float(a) * z for a in 0.05 + random.uniform(-0.002, 0.002, 2))  # the chair sways
         print_ = Print(subject.DICTIONARY, 0, size, facing(x, y, z, *(float(a) for a in turn)))
-        picture = exposed(clean_picture([print_], camera), camera.noise_sd, random)
-        seen = any(m.id == 0 for m in tracker.detect(picture).markers)
+        image = exposed(clean_image([print_], camera), camera.noise_sd, random)
+        seen = any(m.id == 0 for m in tracker.detect(image).markers)
         found += seen and index >= len(way)
-    return found / pictures
+    return found / images
 
 
 def find_limit(job: RangeJob) -> dict[str, Any]:
@@ -139,7 +139,7 @@ def find_limit(job: RangeJob) -> dict[str, Any]:
 
     def good(distance: float) -> bool:
         if distance not in rates:
-            rates[distance] = detection_rate(job.config, job.method, job.size, distance, job.pictures, not job.far)
+            rates[distance] = detection_rate(job.config, job.method, job.size, distance, job.images, not job.far)
         return rates[distance] >= NEEDED
 
     # What bars ask for is measured there, not between two steps.
@@ -163,23 +163,21 @@ def find_limit(job: RangeJob) -> dict[str, Any]:
 
 
 def count_false(job: NegativeJob) -> dict[str, Any]:
-    """Pictures shown by kind, and what was seen in them: by the detector that looks for the dock's ids and by the one that
+    """Images shown by kind, and what was seen in them: by the detector that looks for the dock's ids and by the one that
     looks for every id of the dictionary (neither contains the other: with more ids, codes too much alike are refused)."""
     shown, false = dict.fromkeys((*KINDS, OTHER_IDS), 0), []
     for index in range(job.first, job.last):
         kind = OTHER_IDS if job.other_ids else KINDS[index % len(KINDS)]
-        picture = negative_picture(job.config, kind, index)
+        image = negative_image(job.config, kind, index)
         shown[kind] += 1
         for method in ("seater",) if job.other_ids else ("seater", ALL_IDS):
-            seen = _detector(job.config, method, 0.1)(picture)
-            false += [
-                {"picture": index, "kind": kind, "method": method, "id": s.id, "corners": s.corners} for s in seen
-            ]
+            seen = _detector(job.config, method, 0.1)(image)
+            false += [{"image": index, "kind": kind, "method": method, "id": s.id, "corners": s.corners} for s in seen]
     return {"shown": shown, "false": false}
 
 
-def negative_picture(config: str | Path, kind: str, index: int) -> Picture:
-    """Picture number `index` of those without markers. The detector's threshold was chosen on others (seed 11)."""
+def negative_image(config: str | Path, kind: str, index: int) -> Image:
+    """Image number `index` of those without markers. The detector's threshold was chosen on others (seed 11)."""
     camera = camera_of(config)
     size = camera.image_width, camera.image_height
     return negative(kind, *size, camera.blur_sd, camera.noise_sd, job_seed(12, index))
@@ -188,18 +186,18 @@ def negative_picture(config: str | Path, kind: str, index: int) -> Picture:
 def run_range(
     config: str | Path, quick: bool, negatives: int | None = None, partial: Path | None = None
 ) -> dict[str, Any]:
-    """All ends of all ranges, then the pictures without markers. `partial`: see run_long. Raises ParameterError."""
+    """All ends of all ranges, then the images without markers. `partial`: see run_long. Raises ParameterError."""
     config = str(config)
     camera = camera_of(config)
     subject.make_detector(camera, 0.1, subject.perception_parameters(config), prior=False)  # wrong parameters: now
     methods = ("seater", PLAIN) if quick else FULL_METHODS
-    # The frozen camera stands and falls with the plain detector's far end, and its window is narrow: more pictures there.
-    pictures, plain_pictures, steps, plain_steps = (10, 60, 2, 0) if quick else (50, 1000, 6, 1)
+    # The frozen camera stands and falls with the plain detector's far end, and its window is narrow: more images there.
+    images, plain_images, steps, plain_steps = (10, 60, 2, 0) if quick else (50, 1000, 6, 1)
     total = negatives if negatives is not None else (100 if quick else 10_000)
     jobs = [
-        RangeJob(config, method, size, far, plain_pictures, plain_steps)
+        RangeJob(config, method, size, far, plain_images, plain_steps)
         if method == PLAIN and far
-        else RangeJob(config, method, size, far, pictures, steps)
+        else RangeJob(config, method, size, far, images, steps)
         for size in PAPER
         for method in methods
         for far in ((True, False) if method == "seater" or not (quick or method == TRACK) else (True,))
@@ -214,8 +212,8 @@ def run_range(
         "quick": quick,
         "conditions": {
             "camera": {k: getattr(camera, k) for k in camera.__dataclass_fields__},
-            "pictures_per_distance": pictures,
-            "pictures_per_distance_plain_far": plain_pictures,
+            "images_per_distance": images,
+            "images_per_distance_plain_far": plain_images,
             "needed": NEEDED,
             "bisection_steps": steps,
         },
@@ -226,7 +224,7 @@ def run_range(
 
 
 def run_part(job: RangeJob | NegativeJob) -> dict[str, Any]:
-    """One end of one range, or one block of pictures without markers."""
+    """One end of one range, or one block of images without markers."""
     return find_limit(job) if isinstance(job, RangeJob) else count_false(job)
 
 
@@ -246,7 +244,7 @@ def range_bars(data: dict[str, Any]) -> list[Bar]:
         plain = limit_of(data, PLAIN, size, True)
         off = None if plain is None else abs(plain / farthest - 1.0)
         near, far = limit_of(data, "seater", size, False), limit_of(data, "seater", size, True)
-        if not data["quick"]:  # takes 1000 pictures a distance: with few of them chance would decide
+        if not data["quick"]:  # takes 1000 images a distance: with few of them chance would decide
             bars.append(Bar(f"{name}: plain OpenCV's far limit off the paper's (frozen camera)", off, CALIBRATION))
         bars += [
             Bar(f"{name}: nearest", near, nearest, "m", "at most"),
@@ -255,8 +253,8 @@ def range_bars(data: dict[str, Any]) -> list[Bar]:
     for others in (False, True):
         shown = sum(n for kind, n in data["negatives"].items() if (kind == OTHER_IDS) == others)
         false = [f for f in data["false_detections"] if (f["kind"] == OTHER_IDS) == others]
-        note = ", ".join(f"picture {f['picture']} ({f['kind']}, {f['method']})" for f in false[:5])
-        what = "pictures of markers that the dock has not" if others else "pictures without markers"
+        note = ", ".join(f"image {f['image']} ({f['kind']}, {f['method']})" for f in false[:5])
+        what = "images of markers that the dock has not" if others else "images without markers"
         bars.append(Bar(f"false detections in {shown} {what}", len(false) if shown else None, 0.0, note=note))
     return bars
 
@@ -277,17 +275,17 @@ def describe_range(data: dict[str, Any]) -> str:
     kinds = ", ".join(
         f"{kind} {sum(f['kind'] == kind for f in seen)} in {shown}" for kind, shown in data["negatives"].items()
     )
-    return f"{table}\n  False detections in pictures without markers: {kinds}"
+    return f"{table}\n  False detections in images without markers: {kinds}"
 
 
 def save_false(config: str | Path, data: dict[str, Any], folder: Path) -> list[Path]:
-    """The first ten pictures in which something was seen that is not there, with it outlined."""
+    """The first ten images in which something was seen that is not there, with it outlined."""
     paths = []
     for false in data["false_detections"][:10]:
-        picture = negative_picture(config, false["kind"], false["picture"])
-        shown = cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR)
+        image = negative_image(config, false["kind"], false["image"])
+        shown = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
         cv2.polylines(shown, [np.rint(false["corners"]).astype(np.int32)], True, (0, 0, 255), 1)
-        paths.append(folder / f"perception_range_false_{false['picture']}.png")
+        paths.append(folder / f"perception_range_false_{false['image']}.png")
         cv2.imwrite(str(paths[-1]), shown)
     return paths
 
@@ -316,7 +314,7 @@ def draw_range(data: dict[str, Any], path: Path) -> Path:
     marks = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
     axes.set_xticks(marks, [f"{m:g}" for m in marks])
     axes.minorticks_off()
-    axes.set(xlabel="distance [m]", xlim=(0.03, 20.0), title="Where at least 90 % of the pictures give the marker")
+    axes.set(xlabel="distance [m]", xlim=(0.03, 20.0), title="Where at least 90 % of the images give the marker")
     axes.grid(alpha=0.3, axis="x")
     axes.set_ylim(min(ticks) - 0.6, 1.1)
     axes.legend(fontsize=8, loc="upper left", ncols=3)

@@ -1,4 +1,4 @@
-"""Pictures of printed markers, made independently of the model inside the estimator.
+"""Images of printed markers, made independently of the model inside the estimator.
 
 Every pixel is divided into samples x samples; each sample asks the exact homography which cell of the print it sees (an edge
 within a sample counts by its share). The lens blur (and the path of a motion) is applied on that fine grid, then the mean over
@@ -19,7 +19,7 @@ from scipy.sparse import csr_array
 from seater_eval.perception.degraded_camera import DegradedCamera
 
 Array = NDArray[np.float64]
-Picture = NDArray[np.uint8]
+Image = NDArray[np.uint8]
 Box = tuple[int, int, int, int]  # x0, y0, x1, y1 [px]; x1 and y1 are outside
 
 
@@ -50,7 +50,7 @@ def corners_of(print_: Print, K: Array, scale: float = 1.0) -> Array:
 
 
 def box_of(print_: Print, camera: DegradedCamera, cells_around: float, pixels_around: float) -> Box:
-    """The pixels that the sheet can touch, cut at the picture's border (may be empty)."""
+    """The pixels that the sheet can touch, cut at the image's border (may be empty)."""
     n = len(marker_cells(print_.dictionary, print_.id))
     corners = corners_of(print_, camera.K, 1.0 + 2.0 * cells_around / n)
     low, high = corners.min(axis=0) - pixels_around, corners.max(axis=0) + pixels_around + 1.0
@@ -150,7 +150,7 @@ def white_share(
     """The exposed box (height, width): 0 ink, 1 paper; blurred, without noise.
 
     Args:
-        motion: path of the picture during the exposure [px].
+        motion: path of the image during the exposure [px].
         endless_paper: no wall: the sheet never ends (what the estimator is told).
         shift: of the pixels [px].
     """
@@ -198,20 +198,20 @@ def _line_kernel(path: Array) -> NDArray[np.float32]:
     return np.asarray(kernel / kernel.sum(), dtype=np.float32)
 
 
-def clean_picture(prints: list[Print], camera: DegradedCamera, motion: ArrayLike = (0.0, 0.0)) -> NDArray[np.float32]:
-    """The whole picture (height, width) [grey levels] without noise: wall, and on it the sheets."""
-    picture = np.full((camera.image_height, camera.image_width), camera.wall, np.float32)
+def clean_image(prints: list[Print], camera: DegradedCamera, motion: ArrayLike = (0.0, 0.0)) -> NDArray[np.float32]:
+    """The whole image (height, width) [grey levels] without noise: wall, and on it the sheets."""
+    image = np.full((camera.image_height, camera.image_width), camera.wall, np.float32)
     for print_ in prints:
         box = box_of(print_, camera, camera.quiet_zone, 4.0 * camera.blur_sd + 1.0)
         if box[0] >= box[2] or box[1] >= box[3]:
             continue
         black, white, _ = camera.levels
         share = white_share(print_, camera, box, motion=motion)
-        picture[box[1] : box[3], box[0] : box[2]] = black + (white - black) * share
-    return picture
+        image[box[1] : box[3], box[0] : box[2]] = black + (white - black) * share
+    return image
 
 
-def exposed(clean: NDArray[np.float32], noise_sd: float, random: np.random.Generator) -> Picture:
+def exposed(clean: NDArray[np.float32], noise_sd: float, random: np.random.Generator) -> Image:
     """With Gaussian noise, rounded and clipped to 8 bits."""
     noise = random.standard_normal(clean.shape, dtype=np.float32)
     return np.asarray(np.clip(np.rint(clean + noise_sd * noise), 0.0, 255.0), dtype=np.uint8)

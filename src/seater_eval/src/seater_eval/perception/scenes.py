@@ -27,7 +27,7 @@ def facing(x: float, y: float, z: float, yaw: float = 0.0, pitch: float = 0.0, r
 def upright(
     distance: float, yaw: float, random: np.random.Generator, spread: float = 0.25, tilt: float = 0.01
 ) -> Array:
-    """A print on a wall at about this distance along the axis, somewhere in the picture (`spread`: of distance, to each side),
+    """A print on a wall at about this distance along the axis, somewhere in the image (`spread`: of distance, to each side),
     turned by +- yaw, with small errors of mounting and floor (`tilt` [rad] standard deviation of pitch and roll)."""
     x, y = random.uniform(-spread, spread) * distance, random.uniform(-0.4 * spread, 0.4 * spread) * distance
     sign = 1.0 if random.random() < 0.5 else -1.0

@@ -14,7 +14,7 @@ from scipy.special import ndtr
 from seater_eval.perception import subject
 from seater_eval.perception.degraded_camera import DegradedCamera, load_degraded_camera
 from seater_eval.perception.peers import make_peer
-from seater_eval.perception.render import Picture, Print, clean_picture, corners_of, exposed
+from seater_eval.perception.render import Image, Print, clean_image, corners_of, exposed
 from seater_eval.perception.scenes import normalised_error_squared, pose_error, upright
 from seater_eval.report.bars import Bar, spread, text_table
 from seater_eval.report.evaluation_style import figure, save
@@ -30,31 +30,31 @@ FOUND = 0.9
 
 @dataclass(frozen=True)
 class ShadowJob:
-    """Pictures with one distance [m] and one light in the shadow, 0 .. 1."""
+    """Images with one distance [m] and one light in the shadow, 0 .. 1."""
 
     config: str
     distance: float
     light: float
-    pictures: int
+    images: int
 
 
 def shaded(
     clean: NDArray[np.float32], print_: Print, camera: DegradedCamera, light: float, random: np.random.Generator
 ) -> NDArray[np.float32]:
-    """A noise-free picture with a shadow whose edge goes through the print's middle in any direction."""
+    """A noise-free image with a shadow whose edge goes through the print's middle in any direction."""
     middle, angle = corners_of(print_, camera.K).mean(axis=0), random.uniform(0.0, 2.0 * math.pi)
     rows, columns = np.indices(clean.shape, dtype=np.float32)
     deep = (columns - middle[0]) * math.cos(angle) + (rows - middle[1]) * math.sin(angle)
     return np.asarray(clean * (1.0 - (1.0 - light) * ndtr(deep / EDGE_SD)), dtype=np.float32)
 
 
-def shadow_picture(job: ShadowJob, index: int) -> tuple[Picture, NDArray[np.float64]]:
-    """Picture number `index` of a job, and T_optical_marker (4, 4)."""
+def shadow_image(job: ShadowJob, index: int) -> tuple[Image, NDArray[np.float64]]:
+    """Image number `index` of a job, and T_optical_marker (4, 4)."""
     camera = load_degraded_camera(f"{job.config}/cameras/degraded.yaml")
     random = np.random.default_rng(job_seed(55, index))
     pose = upright(job.distance, ANGLE, random)
     print_ = Print(subject.DICTIONARY, 0, SIZE, pose)
-    clean = shaded(clean_picture([print_], camera), print_, camera, job.light, random)
+    clean = shaded(clean_image([print_], camera), print_, camera, job.light, random)
     return exposed(clean, camera.noise_sd, random), pose
 
 
@@ -64,17 +64,17 @@ def run_case(job: ShadowJob) -> dict[str, Any]:
     detector = subject.make_detector(camera, SIZE, subject.perception_parameters(job.config), prior=True)
     peer = make_peer("opencv_default", camera.K, SIZE)
     errors, normalised, by_peer = [], [], 0
-    for index in range(job.pictures):
-        picture, pose = shadow_picture(job, index)
-        by_peer += any(seen.id == 0 for seen in peer(picture))
-        for marker in [m for m in detector.detect(picture).markers if m.id == 0]:
+    for index in range(job.images):
+        image, pose = shadow_image(job, index)
+        by_peer += any(seen.id == 0 for seen in peer(image))
+        for marker in [m for m in detector.detect(image).markers if m.id == 0]:
             error = pose_error(marker.hypotheses[0].pose, pose)
             errors.append(1e3 * float(np.linalg.norm(error[:3])))
             normalised.append(normalised_error_squared(error, marker.covariance))
     return {
         "distance": job.distance,
         "light": job.light,
-        "pictures": job.pictures,
+        "images": job.images,
         "found": len(errors),
         "found_opencv_default": by_peer,
         "position_mm": spread(errors),
@@ -93,13 +93,13 @@ def run_shadows(config: str | Path, quick: bool) -> dict[str, Any]:
 def shadow_bars(data: dict[str, Any]) -> list[Bar]:
     """No fewer found than 90 % and than by OpenCV, and errors that the covariance covers, in shadows with half the light."""
     rows = [row for row in data["rows"] if row["light"] >= WEAK]
-    share = min((row["found"] / row["pictures"] for row in rows), default=None)
+    share = min((row["found"] / row["images"] for row in rows), default=None)
     fewer = max((row["found_opencv_default"] - row["found"] for row in data["rows"]), default=None)
     normalised = [row["normalised_error_squared"] for row in rows]
     worst = None if None in normalised else max(normalised, default=None)
     return [
         Bar("share found, half the light or more in the shadow", share, FOUND, "", "at least"),
-        Bar("pictures that OpenCV default finds more, worst case", fewer, 0.0),
+        Bar("images that OpenCV default finds more, worst case", fewer, 0.0),
         Bar("mean normalised error squared, half the light or more", worst, 6.0),
     ]
 
@@ -110,22 +110,22 @@ def describe_shadows(data: dict[str, Any]) -> str:
     for row in data["rows"]:
         errors = [row["position_mm"]["median"], row["position_mm"]["max"], row["normalised_error_squared"]]
         shown = ["-" if e is None else f"{e:.3g}" for e in errors]
-        found = [f"{row[key]}/{row['pictures']}" for key in ("found", "found_opencv_default")]
+        found = [f"{row[key]}/{row['images']}" for key in ("found", "found_opencv_default")]
         rows.append([f"{row['distance']:.2f} m, light {row['light']:.0%}", *found, *shown])
     return text_table(["case", "found", "OpenCV default", "median mm", "max mm", "NEES"], rows)
 
 
 def draw_shadows(config: str | Path, data: dict[str, Any], path: Path) -> Path:
-    """One picture of each case, the part round the marker."""
+    """One image of each case, the part round the marker."""
     fig, axes = figure(len(data["rows"]), width=2.6, height=3.3)
     camera = load_degraded_camera(Path(config) / "cameras" / "degraded.yaml")
     for axis, row in zip(np.atleast_1d(axes), data["rows"], strict=True):
-        picture, pose = shadow_picture(ShadowJob(str(config), row["distance"], row["light"], 1), 0)
+        image, pose = shadow_image(ShadowJob(str(config), row["distance"], row["light"], 1), 0)
         u, v = corners_of(Print(subject.DICTIONARY, 0, SIZE, pose), camera.K).mean(axis=0)
         half = 0.9 * camera.focal_length * SIZE / row["distance"]
-        axis.imshow(picture, cmap="gray", vmin=0, vmax=255, interpolation="nearest")
+        axis.imshow(image, cmap="gray", vmin=0, vmax=255, interpolation="nearest")
         axis.set(xlim=(u - half, u + half), ylim=(v + half, v - half), xticks=[], yticks=[])
         axis.set_title(
-            f"{row['distance']:g} m, light {row['light']:.0%}\nfound {row['found']} of {row['pictures']}", fontsize=9
+            f"{row['distance']:g} m, light {row['light']:.0%}\nfound {row['found']} of {row['images']}", fontsize=9
         )
     return save(fig, path)

@@ -1,4 +1,4 @@
-"""Milliseconds per picture on one core, at three resolutions, with few and many markers; all methods take turns."""
+"""Milliseconds per image on one core, at three resolutions, with few and many markers; all methods take turns."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from seater_eval.perception import subject
 from seater_eval.perception.degraded_camera import DegradedCamera, load_degraded_camera
 from seater_eval.perception.peers import LABELS, Detector, dictionary_of, make_peer
-from seater_eval.perception.render import Print, clean_picture, exposed
+from seater_eval.perception.render import Print, clean_image, exposed
 from seater_eval.perception.scenes import facing
 from seater_eval.report.bars import Bar, spread, text_table
 from seater_eval.report.evaluation_style import figure, save
 from seater_eval.run.parallel import StepProgress
 
-Picture = NDArray[np.uint8]
+Image = NDArray[np.uint8]
 RESOLUTIONS = ((640, 480), (1280, 720), (1920, 1080))
 MARKERS, QUICK_MARKERS = (1, 3, 10, 30), (1, 3)
 BAR_RESOLUTION = (1280, 720)
@@ -29,7 +29,7 @@ SEARCH, TRACKING, PLAIN = "seater search", "seater tracking", "opencv_none"
 METHODS = (SEARCH, TRACKING, PLAIN, "opencv_default", "opencv_apriltag", "pupil_apriltags")
 SLOWER, TRACKED = 1.3, 0.35
 FOUND = 0.9  # share of the markers that have to be found
-SLOWEST = "opencv_apriltag"  # takes up to a second: measured with a few pictures only
+SLOWEST = "opencv_apriltag"  # takes up to a second: measured with a few images only
 COLOURS = {
     SEARCH: "#2e9e4f",
     TRACKING: "#83c99a",
@@ -55,11 +55,11 @@ def scene(camera: DegradedCamera, markers: int, dictionary: str, size: float, sh
     return prints
 
 
-def pictures_of(camera: DegradedCamera, markers: int, dictionary: str, size: float, count: int) -> list[Picture]:
-    """A sequence in which the camera moves 2 mm to the side from picture to picture."""
+def images_of(camera: DegradedCamera, markers: int, dictionary: str, size: float, count: int) -> list[Image]:
+    """A sequence in which the camera moves 2 mm to the side from image to image."""
     random = np.random.default_rng(5)
     return [
-        exposed(clean_picture(scene(camera, markers, dictionary, size, 0.002 * k), camera), camera.noise_sd, random)
+        exposed(clean_image(scene(camera, markers, dictionary, size, 0.002 * k), camera), camera.noise_sd, random)
         for k in range(count)
     ]
 
@@ -70,10 +70,10 @@ class Timed:
     def __init__(self, detect: Detector) -> None:
         self._detect = detect
 
-    def __call__(self, picture: Picture) -> tuple[set[int], float]:
+    def __call__(self, image: Image) -> tuple[set[int], float]:
         """Ids found and processor time [ms]."""
         start = time.thread_time()
-        seen = self._detect(picture)
+        seen = self._detect(image)
         return {s.id for s in seen}, 1e3 * (time.thread_time() - start)
 
     def end(self) -> None:
@@ -90,8 +90,8 @@ class TimedElsewhere(Timed):
         self._process.start()
         theirs.close()
 
-    def __call__(self, picture: Picture) -> tuple[set[int], float]:
-        self._pipe.send(picture)
+    def __call__(self, image: Image) -> tuple[set[int], float]:
+        self._pipe.send(image)
         ids, taken = self._pipe.recv()
         return ids, taken
 
@@ -102,15 +102,15 @@ class TimedElsewhere(Timed):
 
 def _serve(pipe: Any, name: str, K: NDArray[np.float64], size: float) -> None:
     detector = Timed(make_peer(name, K, size))
-    while (picture := pipe.recv()) is not None:
-        pipe.send(detector(picture))
+    while (image := pipe.recv()) is not None:
+        pipe.send(detector(image))
     os._exit(0)  # without any destructor
 
 
 def time_case(
     config: str, camera: DegradedCamera, markers: int, names: list[str], repeats: int
 ) -> list[dict[str, Any]]:
-    """Processor time of this thread for each method on the same sequence, in turns, after one picture to warm up."""
+    """Processor time of this thread for each method on the same sequence, in turns, after one image to warm up."""
     size = 0.06 if markers >= 10 else 0.1
     parameters = subject.perception_parameters(config)
     detectors: dict[str, Timed] = {}
@@ -122,15 +122,15 @@ def time_case(
             detectors[name] = TimedElsewhere(name, camera.K, size)
         else:
             detectors[name] = Timed(make_peer(name, camera.K, size))
-    sequences = {d: pictures_of(camera, markers, d, size, repeats + 1) for d in {dictionary_of(n) for n in names}}
+    sequences = {d: images_of(camera, markers, d, size, repeats + 1) for d in {dictionary_of(n) for n in names}}
     times: dict[str, list[float]] = {name: [] for name in names}
     found: dict[str, list[int]] = {name: [] for name in names}
     for k in range(repeats + 1):
         for name in names:
             if name == SLOWEST and k > 3:
                 continue
-            picture = sequences[dictionary_of(name)][k]
-            ids, taken = detectors[name](picture)
+            image = sequences[dictionary_of(name)][k]
+            ids, taken = detectors[name](image)
             if k > 0:
                 times[name].append(taken)
                 found[name].append(len(ids))
@@ -138,7 +138,7 @@ def time_case(
         detector.end()
     base = {"width": camera.image_width, "height": camera.image_height, "markers": markers}
     return [
-        {**base, "method": n, "cpu_ms": spread(times[n]), "found": float(np.mean(found[n])), "pictures": len(times[n])}
+        {**base, "method": n, "cpu_ms": spread(times[n]), "found": float(np.mean(found[n])), "images": len(times[n])}
         for n in names
     ]
 
@@ -162,7 +162,7 @@ def run_speed(config: str | Path, quick: bool) -> dict[str, Any]:
     return {
         "quick": quick,
         "conditions": {
-            "time": "processor time of the thread, OpenCV with one thread, methods in turns on the same pictures",
+            "time": "processor time of the thread, OpenCV with one thread, methods in turns on the same images",
             "pupil_apriltags": "quad_decimate 1 (its most accurate setting), tags of 36h11 in the same places",
             "cores": os.cpu_count(),
             "load_average": os.getloadavg(),
@@ -194,7 +194,7 @@ def speed_bars(data: dict[str, Any]) -> list[Bar]:
             if ours is not None and plain is not None and _found(ours):
                 ratio = ours["cpu_ms"]["median"] / plain["cpu_ms"]["median"]
                 p95 = [row["cpu_ms"]["p95"] for row in (ours, plain)]
-                note = f"median of {ours['pictures']}; p95 {p95[0]:.1f} ms, plain {p95[1]:.1f} ms"
+                note = f"median of {ours['images']}; p95 {p95[0]:.1f} ms, plain {p95[1]:.1f} ms"
                 note += "" if _found(plain) else f"; plain finds {plain['found']:.1f}"
             name = f"{method} / plain OpenCV detection, 1280 x 720, {markers} markers"
             bars.append(Bar(name, ratio, limit, note=note))
@@ -211,7 +211,7 @@ def describe_speed(data: dict[str, Any]) -> str:
         ]
         shown = [f"{r['cpu_ms']['median']:.1f} ({r['found']:.0f})" for r in cells]
         rows.append([f"{width} x {height}, {markers} markers", *shown])
-    head = ["picture", *(name.replace("_", " ") for name in names)]
+    head = ["image", *(name.replace("_", " ") for name in names)]
     return text_table(head, rows) + "\n  Median processor time in ms (markers found)."
 
 
@@ -234,10 +234,10 @@ def draw_speed(data: dict[str, Any], path: Path) -> Path:
         axis.set_yticks(marks, [str(m) for m in marks])
         axis.minorticks_off()
         axis.set_ylim(0.2, 2000.0)
-        axis.set(xlabel="markers in the picture", title=f"{width} x {height}")
+        axis.set(xlabel="markers in the image", title=f"{width} x {height}")
         axis.grid(alpha=0.3)
     first = np.atleast_1d(axes)[0]
-    first.set_ylabel("processor time per picture, one core [ms]")
+    first.set_ylabel("processor time per image, one core [ms]")
     first.plot([], [], "o", color="black", markerfacecolor="white", label="finds less than 90 % of the markers")
     fig.get_layout_engine().set(rect=(0.0, 0.17, 1.0, 0.83))
     fig.legend(*first.get_legend_handles_labels(), loc="lower center", ncols=3, fontsize=9)

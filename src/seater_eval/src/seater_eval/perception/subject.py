@@ -19,7 +19,7 @@ DICTIONARY = "DICT_4X4_50"
 
 
 def perception_parameters(config: str | Path) -> dict[str, Any]:
-    """config/perception.yaml, but without its allowance for what a real camera and print deviate from the model: the pictures
+    """config/perception.yaml, but without its allowance for what a real camera and print deviate from the model: the images
     here are exactly what the model assumes. Raises ParameterError."""
     path = Path(config) / "perception.yaml"
     try:
@@ -74,7 +74,7 @@ def library_files() -> list[Path]:
 def as_peer(detector: Any) -> Detector:
     """The same interface as the peers'."""
 
-    def detect(picture: NDArray[np.uint8]) -> list[Seen]:
-        return [Seen(m.id, m.corners, m.hypotheses[0].pose) for m in detector.detect(picture).markers]
+    def detect(image: NDArray[np.uint8]) -> list[Seen]:
+        return [Seen(m.id, m.corners, m.hypotheses[0].pose) for m in detector.detect(image).markers]
 
     return detect

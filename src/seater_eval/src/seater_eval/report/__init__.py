@@ -1,1 +1,1 @@
-"""Bars and pictures that all reports share."""
+"""Bars and images that all reports share."""

@@ -88,11 +88,11 @@ def write_results(folder: str | Path, command: str, data: Mapping[str, Any], bar
 
 
 def conclude(
-    folder: str | Path, command: str, data: Mapping[str, Any], bars: Sequence[Bar], pictures: Sequence[Path] = ()
+    folder: str | Path, command: str, data: Mapping[str, Any], bars: Sequence[Bar], images: Sequence[Path] = ()
 ) -> int:
     """Write the results, print the bars and where the files are; the exit code: 0 when all bars are met, else 1."""
     path = write_results(folder, command, data, bars)
-    files = "\n".join(f"  {file}" for file in [path, *pictures])
+    files = "\n".join(f"  {file}" for file in [path, *images])
     print(f"\n{bars_table(bars)}\n\n{files}\n")
     return 0 if all_met(bars) else 1
 

@@ -1,4 +1,4 @@
-"""What the pictures of the evaluation share."""
+"""What the images of the evaluation share."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Feeds a recording to perception and the docking node, step by step, and keeps what they answer.
 
-Messages go out in the order in which they were recorded. After a picture it waits for the detections of this picture
+Messages go out in the order in which they were recorded. After an image it waits for the detections of this image
 and for the docking node to have used them, after an odometry message for the docking node as well; so the rate changes
 how long a replay takes, never what it finds.
 """
@@ -24,7 +24,7 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from seater_common.geometry import Chair, planar_pose, pose_matrix, rotation_matrix
 from seater_eval.docking.recording import heading_of, pose_at
-from seater_eval.docking.replay_log import CycleRow, PictureRow
+from seater_eval.docking.replay_log import CycleRow, ImageRow
 from seater_eval.ros.connections import is_connected, links
 from seater_msgs.msg import ControllerStatus, InputDone, MarkerDetectionArray, ObstacleArray
 
@@ -38,7 +38,7 @@ class ReplayError(RuntimeError):
 
 @dataclass
 class Topics:
-    """Topic names in the bag, and which form of pictures it holds."""
+    """Topic names in the bag, and which form of images it holds."""
 
     image: str
     camera_info: str
@@ -47,7 +47,7 @@ class Topics:
     obstacles: str = "obstacles"  # played where the bag has it
 
     @property
-    def pictures(self) -> str:
+    def images(self) -> str:
         return self.image + "/compressed" if self.transport == "compressed" else self.image
 
 
@@ -82,7 +82,7 @@ class Answers:
             self._condition.notify_all()
 
     def wait_for_detections(self, stamp: rospy.Time) -> bool:
-        """False when perception did not answer: it refuses a bad picture and says so in its log."""
+        """False when perception did not answer: it refuses a bad image and says so in its log."""
         return self._wait(lambda: stamp in self.detections)
 
     def wait_for_done(self, name: str, stamp: rospy.Time) -> None:
@@ -104,11 +104,11 @@ class Replay:
     def __init__(self, bag: rosbag.Bag, topics: Topics, rate: float) -> None:
         self._bag, self._topics, self._rate = bag, topics, rate
         names = bag.get_type_and_topic_info()[1]
-        self._names = {key: self._find(getattr(topics, key), names) for key in ("pictures", "camera_info", "odom")}
+        self._names = {key: self._find(getattr(topics, key), names) for key in ("images", "camera_info", "odom")}
         obstacles = [name for name in names if absolute(name) == absolute(topics.obstacles)]
         if obstacles:
             self._names["obstacles"] = obstacles[0]
-        self.pictures_in_bag = int(names[self._names["pictures"]].message_count)
+        self.images_in_bag = int(names[self._names["images"]].message_count)
         self.length = bag.get_end_time() - bag.get_start_time()
         kind = CompressedImage if topics.transport == "compressed" else Image
         suffix = "/compressed" if topics.transport == "compressed" else ""
@@ -116,7 +116,7 @@ class Replay:
         self._publishers = {
             "odom": rospy.Publisher("odom", Odometry, queue_size=10),
             "camera_info": rospy.Publisher("camera/color/camera_info", CameraInfo, queue_size=10),
-            "pictures": rospy.Publisher("camera/color/image_raw" + suffix, kind, queue_size=10),
+            "images": rospy.Publisher("camera/color/image_raw" + suffix, kind, queue_size=10),
         }
         if obstacles:
             self._publishers["obstacles"] = rospy.Publisher("obstacles", ObstacleArray, queue_size=10)
@@ -173,7 +173,7 @@ class Replay:
             yield elapsed / self.length if self.length > 0.0 else 1.0
 
     def _messages(self) -> Iterator[tuple[str, Any, rospy.Time]]:
-        """In recorded order; a camera_info goes out before its picture whichever was recorded first."""
+        """In recorded order; a camera_info goes out before its image whichever was recorded first."""
         keys = {name: key for key, name in self._names.items()}
         waiting: dict[rospy.Time, tuple[str, Any]] = {}
         for name, message, stamp in self._bag.read_messages(topics=list(keys)):
@@ -188,24 +188,24 @@ class Replay:
             pair = dict([other, (key, message)])
             if len(pair) == 2:
                 yield "camera_info", pair["camera_info"], stamp
-                yield "pictures", pair["pictures"], stamp
+                yield "images", pair["images"], stamp
 
     def _wait_for_answer(self, key: str, stamp: rospy.Time) -> None:
         if key in ("odom", "obstacles"):
             self.answers.wait_for_done(key, stamp)
             self.obstacle_messages += key == "obstacles"
-        elif key == "pictures":
+        elif key == "images":
             if self.answers.wait_for_detections(stamp):
                 self.answers.wait_for_done("detections", stamp)
             else:
                 self.unanswered += 1
 
-    def picture_rows(self, chair: Chair) -> list[PictureRow]:
-        """The dock in odom at each picture's own time."""
+    def image_rows(self, chair: Chair) -> list[ImageRow]:
+        """The dock in odom at each image's own time."""
         track = self._odometry_track()
         T_base_optical = chair.camera.T_base_optical()
         return [
-            _picture_row(message, track, T_base_optical)
+            _image_row(message, track, T_base_optical)
             for _, message in sorted(self.answers.detections.items(), key=lambda item: item[0].to_sec())
         ]
 
@@ -226,9 +226,9 @@ class Replay:
         return {m.header.stamp: (m.twist.linear.x, m.twist.angular.z) for _, m, _ in messages}
 
 
-def _picture_row(message: MarkerDetectionArray, track: np.ndarray, T_base_optical: np.ndarray) -> PictureRow:
+def _image_row(message: MarkerDetectionArray, track: np.ndarray, T_base_optical: np.ndarray) -> ImageRow:
     stamp = message.header.stamp.to_sec()
-    row = PictureRow(stamp, len(message.markers), int(bool(message.dock)), None, None, None, None,
+    row = ImageRow(stamp, len(message.markers), int(bool(message.dock)), None, None, None, None,
                      1e3 * message.processing_time)  # fmt: skip
     if not message.dock:
         return row

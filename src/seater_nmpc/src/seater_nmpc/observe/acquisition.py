@@ -1,4 +1,4 @@
-"""The first measurements of a dock: which of the poses that each picture leaves open belong together."""
+"""The first measurements of a dock: which of the poses that each image leaves open belong together."""
 
 from __future__ import annotations
 
@@ -14,51 +14,51 @@ from seater_nmpc.observe.odometry import Instant
 Array = NDArray[np.float64]
 Track = list[tuple[Instant, Measurement]]
 
-_PATIENCE = 4  # times the pictures that are needed, after which the likelier pose is taken though the odds are open
+_PATIENCE = 4  # times the images that are needed, after which the likelier pose is taken though the odds are open
 
 
 class Acquisition:
-    """Collects pictures until enough of them agree on one pose of the dock.
+    """Collects images until enough of them agree on one pose of the dock.
 
-    A picture of a single marker may leave two poses open, and both may agree among themselves from picture to picture while
-    the chair stands. So the weights of all pictures are multiplied, and a pose has to be likelier than every other one that
+    An image of a single marker may leave two poses open, and both may agree among themselves from image to image while
+    the chair stands. So the weights of all images are multiplied, and a pose has to be likelier than every other one that
     agrees by `odds`.
     """
 
     def __init__(self, count: int, gate: float, odds: float, common: Array) -> None:
-        """`count`: pictures that have to agree; `gate`: squared Mahalanobis distance from their mean up to which they do;
+        """`count`: images that have to agree; `gate`: squared Mahalanobis distance from their mean up to which they do;
         `common`: covariance (3, 3) that is added to every measurement's for the gate."""
         self._count, self._gate, self._odds, self._common = count, gate, math.log(odds), common
-        self._pictures: deque[tuple[Instant, list[Measurement]]] = deque(maxlen=_PATIENCE * count)
+        self._images: deque[tuple[Instant, list[Measurement]]] = deque(maxlen=_PATIENCE * count)
 
     def clear(self) -> None:
-        """Forget all pictures."""
-        self._pictures.clear()
+        """Forget all images."""
+        self._images.clear()
 
     def offer(self, chair: Instant, offered: list[Measurement]) -> Track | None:
-        """Take the poses in odom that a picture leaves open; the pictures in the order of their times once they agree."""
-        self._pictures.append((chair, offered))
-        while len(self._pictures) >= self._count:
+        """Take the poses in odom that an image leaves open; the images in the order of their times once they agree."""
+        self._images.append((chair, offered))
+        while len(self._images) >= self._count:
             tracks = sorted(self._agreeing(offered), key=lambda scored: scored[0], reverse=True)
             if tracks:
                 clear = len(tracks) == 1 or tracks[0][0] - tracks[1][0] >= self._odds
-                if clear or len(self._pictures) == self._pictures.maxlen:
+                if clear or len(self._images) == self._images.maxlen:
                     return sorted(tracks[0][1], key=lambda entry: entry[0].stamp)
                 return None
-            if len(self._pictures) == self._count:
+            if len(self._images) == self._count:
                 return None
-            self._pictures.popleft()  # perhaps it is the oldest one that does not fit
+            self._images.popleft()  # perhaps it is the oldest one that does not fit
         return None
 
     def _agreeing(self, seeds: list[Measurement]) -> list[tuple[float, Track]]:
-        """For each pose of the newest picture what is nearest to it in the others, where these agree; with log weights."""
+        """For each pose of the newest image what is nearest to it in the others, where these agree; with log weights."""
         result = []
         for seed in seeds:
             track = [
                 (chair, min(poses, key=lambda m: distance(m.pose, seed.pose, m.covariance + seed.covariance)))
-                for chair, poses in list(self._pictures)[:-1]
+                for chair, poses in list(self._images)[:-1]
             ]
-            track.append((self._pictures[-1][0], seed))
+            track.append((self._images[-1][0], seed))
             mean = combine([measurement for _, measurement in track])
             if all(distance(m.pose, mean.pose, m.covariance + self._common) <= self._gate for _, m in track):
                 result.append((sum(math.log(m.weight) for _, m in track), track))

@@ -16,11 +16,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """One possible pose of the dock, from one picture (seater_msgs/DockObservation)."""
+    """One possible pose of the dock, from one image (seater_msgs/DockObservation)."""
 
     T_optical_dock: Array  # 4x4
     covariance: Array  # 6x6: x, y, z [m], rotation about x, y, z of the optical frame [rad]
-    weight: float = 1.0  # probability among those of the same picture
+    weight: float = 1.0  # probability among those of the same image
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 An extended Kalman filter of six states: the dock, and the constant errors of the odometry (drift.py). The dock stands
 still; what moves it in odom is the drift of the odometry, so everything counts metres and radians, not seconds. What
-calibration leaves is the same in every picture: it does not average out, so it is no part of the filter's noise but of
+calibration leaves is the same in every image: it does not average out, so it is no part of the filter's noise but of
 the gate and of the covariance that is handed out. A measurement passes the gate or it is not used; nothing is smoothed
 before that.
 """
@@ -29,11 +29,11 @@ Array = NDArray[np.float64]
 
 
 class Outcome(Enum):
-    """What became of the detections of one picture."""
+    """What became of the detections of one image."""
 
-    EMPTY = "empty"  # no dock in the picture
+    EMPTY = "empty"  # no dock in the image
     INVALID = "invalid"  # not finite, or no dock that stands on a floor
-    NO_ODOMETRY = "no odometry"  # none for the time of the picture
+    NO_ODOMETRY = "no odometry"  # none for the time of the image
     ACQUIRING = "acquiring"
     ACQUIRED = "acquired"
     FUSED = "fused"
@@ -47,7 +47,7 @@ class DockEstimate:
 
     pose: Array  # (3,)
     covariance: Array  # (3, 3)
-    age: float  # since the picture behind it was taken [s]
+    age: float  # since the image behind it was taken [s]
     blind_distance: float  # driven since then [m]
 
 
@@ -94,7 +94,7 @@ class DockObserver:
         return taken
 
     def add_detections(self, stamp: float, hypotheses: list[Hypothesis]) -> Outcome:
-        """Take what one picture, taken at `stamp`, says about the dock."""
+        """Take what one image, taken at `stamp`, says about the dock."""
         outcome = self._take(stamp, hypotheses)
         self.counts[outcome] += 1
         return outcome
@@ -111,7 +111,7 @@ class DockObserver:
         return DockEstimate(mean[:3], covariance[:3, :3] + self._calibration, age, blind)
 
     def measurements_since(self, stamp: float) -> list[Measurement]:
-        """Measurements of the dock in odom that were used, of pictures taken at or after `stamp`."""
+        """Measurements of the dock in odom that were used, of images taken at or after `stamp`."""
         return [state.measurement for state in self._states if state.instant.stamp >= stamp]
 
     def _take(self, stamp: float, hypotheses: list[Hypothesis]) -> Outcome:
@@ -182,7 +182,7 @@ class DockObserver:
         return Outcome.FUSED
 
     def _likeliest(self, offered: list[Measurement], pose: Array, covariance: Array) -> tuple[float, Measurement]:
-        """Of the poses that one picture leaves open; with its squared distance from the expected one, for the gate."""
+        """Of the poses that one image leaves open; with its squared distance from the expected one, for the gate."""
         scored = []
         for measurement in offered:
             S = covariance + measurement.covariance + self._calibration

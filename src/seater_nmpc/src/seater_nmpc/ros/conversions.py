@@ -73,7 +73,7 @@ def odometry(message: OdometryMsg) -> Odometry:
 
 
 def hypotheses(message: MarkerDetectionArray) -> list[Hypothesis]:
-    """The dock's possible poses in one picture."""
+    """The dock's possible poses in one image."""
     return [
         Hypothesis(matrix(seen.pose.pose), np.reshape(np.array(seen.pose.covariance, dtype=float), (6, 6)), seen.weight)
         for seen in message.dock

@@ -52,6 +52,6 @@ class Diagnostics:
         for name, value in vars(self._controller.counters).items():
             status.add(f"controller: {name}", str(value))
         for outcome, count in sorted(self._observer.counts.items(), key=lambda item: item[0].value):
-            status.add(f"pictures: {outcome.value}", str(count))
+            status.add(f"images: {outcome.value}", str(count))
         status.add("odometry refused", str(self._observer.refused_odometry))
         return status

@@ -211,7 +211,7 @@ class DockingNode:
         if outcome not in (Outcome.FUSED, Outcome.ACQUIRED, Outcome.REACQUIRED):
             return
         estimate = self._observer.estimate()
-        if estimate is not None:  # with the stamp of the picture: a lost marker is silence
+        if estimate is not None:  # with the stamp of the image: a lost marker is silence
             self._filtered.publish(conversions.filtered_pose(stamp, self._odom_frame, estimate))
             self._tf_out.sendTransform(conversions.transform(stamp, self._odom_frame, self._dock_frame, estimate.pose))
 

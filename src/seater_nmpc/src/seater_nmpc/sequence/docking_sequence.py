@@ -114,7 +114,7 @@ class DockingSequence:
         return taken
 
     def add_detections(self, stamp: float, hypotheses: list[Hypothesis]) -> Outcome:
-        """Take the dock observations of one picture."""
+        """Take the dock observations of one image."""
         return self.observer.add_detections(stamp, hypotheses)
 
     def update(self, now: float, contact: bool | None = None) -> Step:

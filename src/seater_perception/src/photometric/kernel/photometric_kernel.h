@@ -15,7 +15,7 @@ struct MarkerView {
   float r1x, r1y, r2x, r2y, r3x, r3y;             ///< of the marker's axes, per pixel
   float half_sheet;                               ///< half the side of print and quiet zone [cells]
   float depth, inverse_depth;                     ///< of the plane along its normal [cells]
-  SpreadCovariance spread;                        ///< what a ray sees of the picture, pixel area included [px^2]
+  SpreadCovariance spread;                        ///< what a ray sees of the image, pixel area included [px^2]
   int rays = 1;                                   ///< per pixel
 
   /// `pose` in the optical frame. False when a pixel of the batch would not see the marker's front.

@@ -29,7 +29,7 @@ class SampleCollector {
  public:
   /// Pixels of a marker whose pose in the optical frame is about this one. `margin` [px] is how far the pose may be
   /// off; `most`: no more than so many; `rim`: small markers may have pixels that see the end of the sheet. Empty when
-  /// it is not in the picture.
+  /// it is not in the image.
   void collect(const cv::Mat& grey, const CameraModel& camera, const PatternPlacement& placement,
                const Eigen::Isometry3d& T_optical_marker, double blur_sd, double margin, int most, bool rim,
                const PhotometricParameters& parameters, MarkerSamples& samples);

@@ -18,7 +18,7 @@ constexpr int kFewestSeen = 60;        // [percent] of the samples
 constexpr double kCoverable = 5.0;     // [px] cells from which on a part of border and quiet zone may be covered
 constexpr double kCovered = 0.3;       // of the contrast: a sample that deviates more there is covered
 constexpr double kMostCovered = 0.15;  // of all samples
-// Paths of a moving picture that are tried, and the blur of one that stands still [px].
+// Paths of a moving image that are tried, and the blur of one that stands still [px].
 constexpr double kPaths[] = {5.0, 8.0}, kStillBlur = 1.1;
 constexpr int kDirections = 4;
 
@@ -28,8 +28,8 @@ const PatternTemplate& PatternAligner::templateOf(const Alignment& a) const {
   return a.moving ? *a.moving : book_.of(a.id, a.blur);
 }
 
-bool PatternAligner::look(const PictureLevels& picture, Alignment& a) const {
-  picture.sample(a.quad, book_.grid(), a.samples);
+bool PatternAligner::look(const ImageLevels& image, Alignment& a) const {
+  image.sample(a.quad, book_.grid(), a.samples);
   if (a.free.size() > 0) {
     a.samples.weights.array() *= a.free.array();
     a.samples.grey.array() *= a.free.array();
@@ -38,7 +38,7 @@ bool PatternAligner::look(const PictureLevels& picture, Alignment& a) const {
 }
 
 /// Dark border, lighter quiet zone: what nearly everything that is no marker lacks.
-bool PatternAligner::hasBorder(const PictureLevels::Samples& samples) const {
+bool PatternAligner::hasBorder(const ImageLevels::Samples& samples) const {
   const PatternGrid& grid = book_.grid();
   float sum[3] = {}, count[3] = {};
   for (int row = 0, i = 0; row < grid.along(); ++row) {
@@ -52,12 +52,12 @@ bool PatternAligner::hasBorder(const PictureLevels::Samples& samples) const {
 }
 
 /// Gauss-Newton.
-bool PatternAligner::descend(const PictureLevels& picture, Alignment& a) const {
+bool PatternAligner::descend(const ImageLevels& image, Alignment& a) const {
   static const Eigen::Vector2d kCorners[] = {{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}};
   const PatternTemplate& pattern = templateOf(a);
   const double cell = 2.0 / book_.grid().cells();
   for (int step = 0; step < kSteps; ++step) {
-    if (!look(picture, a)) return false;
+    if (!look(image, a)) return false;
     const auto fit = pattern.fit(a.samples.grey, a.weights(), true);
     if (!fit || !(fit->gain > 0.0) || (step > 2 && fit->explained < kHopeless)) return false;
     a.fit = *fit;
@@ -71,7 +71,7 @@ bool PatternAligner::descend(const PictureLevels& picture, Alignment& a) const {
     for (std::size_t i = 0; i < 4; ++i) a.quad[i] = map(PatternTemplate::moved(motion, kCorners[i]));
     if (!(meanSide(a.quad) > 4.0 && meanSide(a.quad) < 1e5)) return false;
   }
-  return look(picture, a);
+  return look(image, a);
 }
 
 /// The blur that explains most; false when it is the one at hand.
@@ -90,10 +90,10 @@ bool PatternAligner::chooseBlur(Alignment& a) const {
   return a.blur != before;
 }
 
-bool PatternAligner::align(const PictureLevels& picture, Alignment& a) const {
-  if (!descend(picture, a)) return false;
+bool PatternAligner::align(const ImageLevels& image, Alignment& a) const {
+  if (!descend(image, a)) return false;
   for (int round = 0; round < 2 && chooseBlur(a); ++round) {
-    if (!descend(picture, a)) return false;
+    if (!descend(image, a)) return false;
   }
   const auto fit = templateOf(a).fit(a.samples.grey, a.weights(), false);
   if (fit) a.fit = *fit;
@@ -113,7 +113,7 @@ double PatternAligner::worstBit(const Alignment& a) const {
         sum += residual[i];
         seen += a.samples.weights[i];
       }
-      // A cell of the code that is out of the picture proves nothing; one of the border may be.
+      // A cell of the code that is out of the image proves nothing; one of the border may be.
       if (seen == 0.0 && book_.grid().ring(row, column) == 2) return std::numeric_limits<double>::infinity();
       if (seen > 0.0) worst = std::max(worst, std::abs(sum / seen) / turning);
     }
@@ -136,8 +136,8 @@ bool PatternAligner::leaveOutCovered(Alignment& a) const {
   return covered > 0.0f && covered < kMostCovered * static_cast<float>(grid.size());
 }
 
-bool PatternAligner::alignMoving(const PictureLevels& picture, Alignment& a) const {
-  // How the picture changes by a cell's length, at the middle.
+bool PatternAligner::alignMoving(const ImageLevels& image, Alignment& a) const {
+  // How the image changes by a cell's length, at the middle.
   const SquareToQuad map(a.quad);
   const double cell = 2.0 / book_.grid().cells(), step = 0.5 * cell;
   Eigen::Matrix2d by_cell;
@@ -157,7 +157,7 @@ bool PatternAligner::alignMoving(const PictureLevels& picture, Alignment& a) con
       b.quad = a.quad;
       b.moving = std::make_shared<PatternTemplate>(book_.grid(), book_.pattern(a.id),
                                                    Eigen::Matrix2d(to_cells * spread * to_cells.transpose()));
-      if (align(picture, b) && (!best || b.fit.explained > best->fit.explained)) best = b;
+      if (align(image, b) && (!best || b.fit.explained > best->fit.explained)) best = b;
     }
   }
   if (!best) return false;

@@ -2,20 +2,20 @@
 
 #include <memory>
 
-#include "search/code/picture_levels.h"
+#include "search/code/image_levels.h"
 #include "search/code/template_book.h"
 
 namespace seater_perception {
 
-/// A code on its way to the picture.
+/// A code on its way to the image.
 struct Alignment {
   static constexpr int kStartBlur = 6;  // of TemplateBook::kBlurs: wide enough to pull from a third of a cell away
 
   int id = 0, blur = kStartBlur;
   Quad quad;  ///< in the print's order [px]
-  PictureLevels::Samples samples;
+  ImageLevels::Samples samples;
   PatternTemplate::Fit fit;
-  std::shared_ptr<const PatternTemplate> moving;  ///< instead of the book's: blurred by a motion of the picture
+  std::shared_ptr<const PatternTemplate> moving;  ///< instead of the book's: blurred by a motion of the image
   Eigen::VectorXf free;                           ///< 0 where something covers the print; empty: nothing does
 
   /// Number of samples that are left out.
@@ -23,19 +23,19 @@ struct Alignment {
   const Eigen::VectorXf* weights() const { return samples.all() && free.size() == 0 ? nullptr : &samples.weights; }
 };
 
-/// Moves a known code's corners to where it explains most of the picture (Gauss-Newton), and chooses the blur.
+/// Moves a known code's corners to where it explains most of the image (Gauss-Newton), and chooses the blur.
 class PatternAligner {
  public:
   explicit PatternAligner(const TemplateBook& book) : book_(book) {}
 
-  /// Samples the picture under the quadrilateral; false when too little of it is in the picture.
-  bool look(const PictureLevels& picture, Alignment& a) const;
+  /// Samples the image under the quadrilateral; false when too little of it is in the image.
+  bool look(const ImageLevels& image, Alignment& a) const;
   /// Dark border, lighter quiet zone: what nearly everything that is no marker lacks.
-  bool hasBorder(const PictureLevels::Samples& samples) const;
+  bool hasBorder(const ImageLevels::Samples& samples) const;
   /// From corners within about a third of a cell. False, and `a` of no use, when it is not there.
-  bool align(const PictureLevels& picture, Alignment& a) const;
-  /// The same for a picture that moved by up to about 8 px during its exposure, in whatever direction.
-  bool alignMoving(const PictureLevels& picture, Alignment& a) const;
+  bool align(const ImageLevels& image, Alignment& a) const;
+  /// The same for an image that moved by up to about 8 px during its exposure, in whatever direction.
+  bool alignMoving(const ImageLevels& image, Alignment& a) const;
   /// Largest deviation of a cell's mean, of what would turn its bit round: above 1, a bit contradicts.
   double worstBit(const Alignment& a) const;
   /// Marks samples of border and quiet zone that deviate; false when nothing or too much does, or the marker is small.
@@ -43,7 +43,7 @@ class PatternAligner {
 
  private:
   const PatternTemplate& templateOf(const Alignment& a) const;
-  bool descend(const PictureLevels& picture, Alignment& a) const;
+  bool descend(const ImageLevels& image, Alignment& a) const;
   bool chooseBlur(Alignment& a) const;
 
   const TemplateBook& book_;

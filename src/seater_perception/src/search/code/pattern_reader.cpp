@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kCandidates = 6;  // codes that are fitted
 constexpr double kClearlyBetter = 0.2;  // of correlation: a code so much less likely than the best is not
 constexpr double kWorthFitting = 0.5;   // correlation before the fit
-// What true markers and pictures without markers reach: docs/perception.md.
+// What true markers and images without markers reach: docs/perception.md.
 constexpr double kSmallestMargin = 0.045;  // of correlation, over the next best code
 constexpr double kLargestBitError = 0.9;   // of what turns a bit round
 constexpr double kCostOfCovered = 0.25;    // of evidence, for each sample left out: what is chosen proves less
@@ -37,8 +37,8 @@ struct PatternReader::Implementation {
   PatternAligner aligner;
 
   std::optional<PatternReading> judge(double min_evidence, const Alignment& a) const;
-  std::optional<PatternReading> settle(const PictureLevels& picture, double min_evidence, Alignment& a) const;
-  std::optional<PatternReading> moving(const PictureLevels& picture, double min_evidence, const Alignment& still) const;
+  std::optional<PatternReading> settle(const ImageLevels& image, double min_evidence, Alignment& a) const;
+  std::optional<PatternReading> moving(const ImageLevels& image, double min_evidence, const Alignment& still) const;
 };
 
 /// Code, margin and bits of an aligned pattern.
@@ -65,19 +65,19 @@ std::optional<PatternReading> PatternReader::Implementation::judge(double min_ev
 }
 
 /// Fits and judges; when it fails, once more without what covers the print.
-std::optional<PatternReading> PatternReader::Implementation::settle(const PictureLevels& picture, double min_evidence,
+std::optional<PatternReading> PatternReader::Implementation::settle(const ImageLevels& image, double min_evidence,
                                                                     Alignment& a) const {
   const auto reading = judge(min_evidence, a);
   if (reading || !aligner.leaveOutCovered(a)) return reading;
-  return aligner.align(picture, a) ? judge(min_evidence, a) : std::nullopt;
+  return aligner.align(image, a) ? judge(min_evidence, a) : std::nullopt;
 }
 
-/// What looks like the code, but not sharp enough: perhaps the picture moved.
-std::optional<PatternReading> PatternReader::Implementation::moving(const PictureLevels& picture, double min_evidence,
+/// What looks like the code, but not sharp enough: perhaps the image moved.
+std::optional<PatternReading> PatternReader::Implementation::moving(const ImageLevels& image, double min_evidence,
                                                                     const Alignment& still) const {
   if (still.fit.explained < kPerhapsMoving) return std::nullopt;
   Alignment a = still;
-  return aligner.alignMoving(picture, a) ? judge(min_evidence, a) : std::nullopt;
+  return aligner.alignMoving(image, a) ? judge(min_evidence, a) : std::nullopt;
 }
 
 PatternReader::PatternReader(const std::string& dictionary, const std::set<int>& ids)
@@ -89,35 +89,35 @@ int PatternReader::cells() const {
   return implementation_->book.grid().cells();
 }
 
-std::optional<ShadowEdge> PatternReader::shadowEdge(const PictureLevels& picture, const Quad& quad) const {
+std::optional<ShadowEdge> PatternReader::shadowEdge(const ImageLevels& image, const Quad& quad) const {
   const PatternAligner& aligner = implementation_->aligner;
   Alignment a;
   a.quad = quad;
-  if (!aligner.look(picture, a) || !aligner.hasBorder(a.samples)) return std::nullopt;
+  if (!aligner.look(image, a) || !aligner.hasBorder(a.samples)) return std::nullopt;
   return findShadowEdge(implementation_->book.grid(), a.samples, quad);
 }
 
-std::optional<PatternReading> PatternReader::read(const PictureLevels& picture, const Quad& quad,
+std::optional<PatternReading> PatternReader::read(const ImageLevels& image, const Quad& quad,
                                                   double min_evidence) const {
   const Implementation& self = *implementation_;
   Alignment start;
   start.quad = quad;
-  if (!self.aligner.look(picture, start) || !self.aligner.hasBorder(start.samples)) return std::nullopt;
+  if (!self.aligner.look(image, start) || !self.aligner.hasBorder(start.samples)) return std::nullopt;
   const auto likely = self.book.compare(start.samples, Alignment::kStartBlur, kCandidates);
   for (const auto& candidate : likely) {
     if (candidate.correlation < std::max(kWorthFitting, likely[0].correlation - kClearlyBetter)) break;
     Alignment a;
     a.id = candidate.id;
     a.quad = printed(quad, candidate.turn);
-    if (!self.aligner.align(picture, a)) continue;
+    if (!self.aligner.align(image, a)) continue;
     // When another code is as likely, that is seen here too.
-    if (const auto reading = self.settle(picture, min_evidence, a)) return reading;
+    if (const auto reading = self.settle(image, min_evidence, a)) return reading;
   }
   return std::nullopt;
 }
 
-std::optional<PatternReading> PatternReader::follow(int id, const PictureLevels& picture, const Quad& corners,
-                                                    double reach, double min_evidence, int blur) const {
+std::optional<PatternReading> PatternReader::follow(int id, const ImageLevels& image, const Quad& corners, double reach,
+                                                    double min_evidence, int blur) const {
   const Implementation& self = *implementation_;
   if (!self.book.has(id)) return std::nullopt;
   Alignment a;
@@ -126,13 +126,13 @@ std::optional<PatternReading> PatternReader::follow(int id, const PictureLevels&
   if (blur >= 0 && blur < static_cast<int>(TemplateBook::kBlurs.size())) {
     Alignment same = a;
     same.blur = blur;
-    if (self.aligner.align(picture, same)) {
+    if (self.aligner.align(image, same)) {
       if (const auto reading = self.judge(min_evidence, same)) return reading;
     }
   }
-  if (self.aligner.align(picture, a)) {
-    if (const auto reading = self.settle(picture, min_evidence, a)) return reading;
-    if (const auto reading = self.moving(picture, min_evidence, a)) return reading;
+  if (self.aligner.align(image, a)) {
+    if (const auto reading = self.settle(image, min_evidence, a)) return reading;
+    if (const auto reading = self.moving(image, min_evidence, a)) return reading;
   }
   if (!(reach > 0.0)) return std::nullopt;
   const double step = std::max(1.0, kGridStep * meanSide(corners) / self.book.grid().cells());
@@ -146,14 +146,14 @@ std::optional<PatternReading> PatternReader::follow(int id, const PictureLevels&
       there.id = id;
       there.quad = corners;
       for (auto& c : there.quad) c += step * Eigen::Vector2d(x, y);
-      if (!self.aligner.look(picture, there)) continue;
+      if (!self.aligner.look(image, there)) continue;
       const auto fit = pattern.fit(there.samples.grey, there.weights(), false);
       if (fit && fit->gain > 0.0 && fit->explained > best.fit.explained) best = there, best.fit = *fit;
     }
   }
-  if (best.fit.explained < kHopeless || !self.aligner.align(picture, best)) return std::nullopt;
-  if (const auto reading = self.settle(picture, min_evidence, best)) return reading;
-  return self.moving(picture, min_evidence, best);
+  if (best.fit.explained < kHopeless || !self.aligner.align(image, best)) return std::nullopt;
+  if (const auto reading = self.settle(image, min_evidence, best)) return reading;
+  return self.moving(image, min_evidence, best);
 }
 
 }  // namespace seater_perception

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "search/code/image_levels.h"
 #include "search/code/pattern_template.h"
-#include "search/code/picture_levels.h"
 #include "search/code/shadow_edge.h"
 #include "search/outline/quad_search.h"
 
@@ -26,7 +26,7 @@ struct PatternReading {
   /// Each sample left out as covered counts 0.25 against it.
   double evidence = 0.0;
   int blur = -1;  ///< of the fitted code: number of TemplateBook::kBlurs
-  /// Grey level of its ink, and of its paper over that; contrast 0: a part is covered, or the picture moved.
+  /// Grey level of its ink, and of its paper over that; contrast 0: a part is covered, or the image moved.
   double dark = 0.0, contrast = 0.0;
 };
 
@@ -41,17 +41,17 @@ class PatternReader {
   ~PatternReader();
   PatternReader(PatternReader&&) noexcept;
 
-  /// The code that a quadrilateral (clockwise in the picture) shows; nothing when there is less than
+  /// The code that a quadrilateral (clockwise in the image) shows; nothing when there is less than
   /// `min_evidence`, when another code is about as likely, or when a bit contradicts. Of a large marker, a part of
   /// border and quiet zone may be covered.
-  std::optional<PatternReading> read(const PictureLevels& picture, const Quad& quad, double min_evidence) const;
+  std::optional<PatternReading> read(const ImageLevels& image, const Quad& quad, double min_evidence) const;
 
   /// The edge of a shadow across what may be a print here, as its quiet zone shows it.
-  std::optional<ShadowEdge> shadowEdge(const PictureLevels& picture, const Quad& quad) const;
+  std::optional<ShadowEdge> shadowEdge(const ImageLevels& image, const Quad& quad) const;
 
   /// A known code whose corners are about here (in the print's order), at most `reach` [px] away (0: only what the fit
-  /// itself reaches, about a third of a cell). `blur`: of its reading in the last picture, tried first; -1: not known.
-  std::optional<PatternReading> follow(int id, const PictureLevels& picture, const Quad& corners, double reach,
+  /// itself reaches, about a third of a cell). `blur`: of its reading in the last image, tried first; -1: not known.
+  std::optional<PatternReading> follow(int id, const ImageLevels& image, const Quad& corners, double reach,
                                        double min_evidence, int blur = -1) const;
 
   int cells() const;

@@ -9,7 +9,7 @@
 
 namespace seater_perception {
 
-/// Points of a print at which the picture is looked at: two along each cell and into the quiet zone, a quarter of a
+/// Points of a print at which the image is looked at: two along each cell and into the quiet zone, a quarter of a
 /// cell from the borders. Coordinates: x right, y down, the black square is -1 .. 1; row by row from the top.
 class PatternGrid {
  public:
@@ -29,7 +29,7 @@ class PatternGrid {
 };
 
 /// A pattern as a camera of a given blur sees it at the points of the grid, and how that changes when its corners move.
-/// The picture's samples are fitted linearly: offset, two slopes of the light, gain, what the quiet zone is lighter
+/// The image's samples are fitted linearly: offset, two slopes of the light, gain, what the quiet zone is lighter
 /// than the print's white (negative: dirt, a print cut close on a grey wall), and gain times eight motions of the plane
 /// (as S. Baker and I. Matthews, "Lucas-Kanade 20 years on", IJCV 2004, inverse compositional).
 class PatternTemplate {
@@ -40,7 +40,7 @@ class PatternTemplate {
 
   /// `blur`: standard deviation [cells].
   PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, double blur);
-  /// `blur`: covariance [cells^2], x right, y down: of a picture that moved during its exposure.
+  /// `blur`: covariance [cells^2], x right, y down: of an image that moved during its exposure.
   PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, const Eigen::Matrix2d& blur);
 
   /// Share of a cell's own brightness that remains in its four points: what its bit changes there.

@@ -19,7 +19,7 @@ struct RingSample {
 };
 
 /// The quiet zone's samples, once round.
-std::vector<RingSample> ringOf(const PatternGrid& grid, const PictureLevels::Samples& samples) {
+std::vector<RingSample> ringOf(const PatternGrid& grid, const ImageLevels::Samples& samples) {
   std::vector<RingSample> ring;
   const int last = grid.along() - 1;
   const auto add = [&](int row, int column) {
@@ -99,7 +99,7 @@ ShadowEdge ShadowEdge::seenFrom(const Eigen::Vector2d& origin) const {
   return there;
 }
 
-std::optional<ShadowEdge> findShadowEdge(const PatternGrid& grid, const PictureLevels::Samples& samples,
+std::optional<ShadowEdge> findShadowEdge(const PatternGrid& grid, const ImageLevels::Samples& samples,
                                          const Quad& quad) {
   const std::vector<RingSample> ring = ringOf(grid, samples);
   if (ring.size() < 4 * kFewest) return std::nullopt;

@@ -66,7 +66,7 @@ const Eigen::MatrixXf& TemplateBook::codes(int blur) const {
   return codes;
 }
 
-std::vector<TemplateBook::Candidate> TemplateBook::compare(const PictureLevels::Samples& samples, int blur,
+std::vector<TemplateBook::Candidate> TemplateBook::compare(const ImageLevels::Samples& samples, int blur,
                                                            std::size_t count) const {
   std::vector<Candidate> best;
   if (patterns_.empty() || samples.seen == 0) return best;

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "search/code/image_levels.h"
 #include "search/code/pattern_template.h"
-#include "search/code/picture_levels.h"
 
 namespace seater_perception {
 
@@ -33,7 +33,7 @@ class TemplateBook {
   };
   /// All codes in all orientations, correlated with samples (slopes of the light taken off); best first, `count` at
   /// most. What was not seen counts as if it were a plane of light.
-  std::vector<Candidate> compare(const PictureLevels::Samples& samples, int blur, std::size_t count) const;
+  std::vector<Candidate> compare(const ImageLevels::Samples& samples, int blur, std::size_t count) const;
 
  private:
   const Eigen::MatrixXf& codes(int blur) const;

@@ -75,7 +75,7 @@ void cut(double a, double b, double low, double high, double& first, double& las
   last = std::min(last, std::max(p, q));
 }
 
-/// All pixels of the band round the side as it is known now; false when the band leaves the picture.
+/// All pixels of the band round the side as it is known now; false when the band leaves the image.
 bool collect(const cv::Mat& grey, const Side& side, double band, Samples& samples) {
   samples.clear();
   const double reach = 1.0 - std::min(kSkippedPart, kSkippedEnd / side.half);

@@ -19,7 +19,7 @@ namespace seater_perception {
 ///
 /// `corners` [px] to begin with, in order round the outline, within `half_band` [px] of the truth; `half_band` has to
 /// be smaller than the width of the dark border. Nothing when a side does not look like one edge (covered, out of the
-/// picture, too short) or a corner would move by more than 1.5 `half_band`. When one moves far, all is done again from
+/// image, too short) or a corner would move by more than 1.5 `half_band`. When one moves far, all is done again from
 /// there. `grey` is CV_8UC1.
 struct FittedEdges {
   std::array<Eigen::Vector2d, 4> corners;

@@ -13,7 +13,7 @@ constexpr double kClearlyFilled = 0.96;     // below, something may stick out of
 constexpr double kOutlineTolerance = 0.04;  // of the outline's length
 constexpr double kSolid = 0.75;             // part of the hull that the outline has to enclose
 constexpr double kLargestRatio = 6.0;       // of the longest to the shortest side
-constexpr int kBorder = 1;                  // [px] an outline nearer to the picture's border is cut off
+constexpr int kBorder = 1;                  // [px] an outline nearer to the image's border is cut off
 constexpr double kHullTolerance = 0.012;    // of the outline's length: hull vertices are merged within it
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {

@@ -21,7 +21,7 @@ from seater_sim.odometry import OdometrySample
 from seater_sim.ros import messages
 from seater_sim.ros.options import Options
 from seater_sim.ros.peers import publishers_of, sends_to, subscribers_of
-from seater_sim.simulator import Picture, Simulator, Truth
+from seater_sim.simulator import SimulatedImage, Simulator, Truth
 
 
 class Receiver(Protocol):
@@ -83,7 +83,7 @@ class Links:
 
     def _advertise(self) -> None:
         def publisher(topic: str, kind: type, latch: bool = False) -> rospy.Publisher:
-            # Long queues: in lock-step nobody falls behind, and a recorder shall not lose pictures.
+            # Long queues: in lock-step nobody falls behind, and a recorder shall not lose images.
             return rospy.Publisher(topic, kind, queue_size=100, latch=latch, tcp_nodelay=True)
 
         self._clock = publisher("/clock", Clock)
@@ -141,18 +141,18 @@ class Links:
         """How often the chair ran into something; latched."""
         self._collisions.publish(UInt32(count))
 
-    def publish_picture(self, picture: Picture, camera: Camera | None) -> bool:
-        """Picture and camera_info; drawn only when someone listens. True when someone does."""
+    def publish_image(self, image: SimulatedImage, camera: Camera | None) -> bool:
+        """Image and camera_info; drawn only when someone listens. True when someone does."""
         assert camera is not None
-        self._camera_info.publish(messages.camera_info_message(camera.model, picture))
+        self._camera_info.publish(messages.camera_info_message(camera.model, image))
         raw, compressed = (p.get_num_connections() > 0 for p in (self._image, self._compressed))
         if not (raw or compressed):
             return False
-        pixels = picture.render()
+        pixels = image.render()
         if raw:
-            self._image.publish(messages.image_message(picture, pixels))
+            self._image.publish(messages.image_message(image, pixels))
         if compressed:
-            self._compressed.publish(messages.compressed_message(picture, pixels, camera.settings))
+            self._compressed.publish(messages.compressed_message(image, pixels, camera.settings))
         return True
 
     # Lock-step ------------------------------------------------------------------------------------------------------
@@ -165,7 +165,7 @@ class Links:
         if done is not None and done.requested and self._present("cmd_vel_stamped"):
             self._wait("cmd_vel_stamped", "cmd_vel_stamped", stamp_ns)
 
-    def wait_for_picture_answers(self, stamp_ns: int) -> None:
+    def wait_for_image_answers(self, stamp_ns: int) -> None:
         """Perception's detections, then the docking node's input_done about them."""
         if not self._present("detections"):
             return
@@ -200,9 +200,9 @@ class Links:
         detectors, controllers, gates = (
             nodes.get(topic, set()) for topic in ("detections", "input_done", "cmd_vel_stamped")
         )
-        pictures = subscribers_of(self._image) | subscribers_of(self._compressed)
-        if detectors and not (detectors & pictures and detectors & subscribers_of(self._camera_info)):
-            return f"{', '.join(sorted(detectors))} does not listen to the pictures and camera_info"
+        images = subscribers_of(self._image) | subscribers_of(self._compressed)
+        if detectors and not (detectors & images and detectors & subscribers_of(self._camera_info)):
+            return f"{', '.join(sorted(detectors))} does not listen to the images and camera_info"
         if controllers and not controllers & subscribers_of(self._odometry):
             return f"{', '.join(sorted(controllers))} does not listen to {rospy.resolve_name('odom')}"
         if self._obstacles is not None and controllers and not controllers & subscribers_of(self._obstacles):

@@ -17,7 +17,7 @@ from seater_msgs.msg import ObstacleArray
 from seater_sim.camera_model import CameraModel
 from seater_sim.odometry import VARIANCE_FLOOR, OdometrySample
 from seater_sim.settings import NANOSECONDS, CameraSettings, Obstacle
-from seater_sim.simulator import Picture, Truth
+from seater_sim.simulator import SimulatedImage, Truth
 
 OPTICAL_FRAME = "camera_color_optical_frame"
 
@@ -103,11 +103,11 @@ def _quaternion(R: NDArray[np.float64]) -> Quaternion:
     return Quaternion(x, y, z, math.cos(0.5 * angle))
 
 
-def camera_info_message(model: CameraModel, picture: Picture) -> CameraInfo:
-    """Of one picture; in its mode "nan_camera_info" the matrices are NaN."""
-    bad = 1.0 if picture.camera_info_valid else math.nan
+def camera_info_message(model: CameraModel, image: SimulatedImage) -> CameraInfo:
+    """Of one image; in its mode "nan_camera_info" the matrices are NaN."""
+    bad = 1.0 if image.camera_info_valid else math.nan
     message = CameraInfo(height=model.height, width=model.width, distortion_model=model.distortion_model)
-    message.header.stamp = stamp(picture.stamp_ns)
+    message.header.stamp = stamp(image.stamp_ns)
     message.header.frame_id = OPTICAL_FRAME
     message.D = model.D.tolist()
     message.K = (bad * model.K).reshape(-1).tolist()
@@ -116,24 +116,24 @@ def camera_info_message(model: CameraModel, picture: Picture) -> CameraInfo:
     return message
 
 
-def image_message(picture: Picture, pixels: NDArray[np.generic]) -> Image:
-    """Raw picture; `pixels` as `picture.render` gives them."""
-    message = Image(height=pixels.shape[0], width=pixels.shape[1], encoding=picture.encoding, is_bigendian=0)
-    message.header.stamp = stamp(picture.stamp_ns)
+def image_message(image: SimulatedImage, pixels: NDArray[np.generic]) -> Image:
+    """Raw image; `pixels` as `image.render` gives them."""
+    message = Image(height=pixels.shape[0], width=pixels.shape[1], encoding=image.encoding, is_bigendian=0)
+    message.header.stamp = stamp(image.stamp_ns)
     message.header.frame_id = OPTICAL_FRAME
     message.step = pixels.strides[0]
     message.data = pixels.tobytes()
     return message
 
 
-def compressed_message(picture: Picture, pixels: NDArray[np.generic], settings: CameraSettings) -> CompressedImage:
-    """As compressed_image_transport names it. A NaN picture cannot be compressed: its data are empty."""
+def compressed_message(image: SimulatedImage, pixels: NDArray[np.generic], settings: CameraSettings) -> CompressedImage:
+    """As compressed_image_transport names it. A NaN image cannot be compressed: its data are empty."""
     message = CompressedImage()
-    message.header.stamp = stamp(picture.stamp_ns)
+    message.header.stamp = stamp(image.stamp_ns)
     message.header.frame_id = OPTICAL_FRAME
-    target = " bgr8" if picture.encoding == "rgb8" else ""
-    message.format = f"{picture.encoding}; {settings.compressed_format} compressed{target}"
-    if picture.encoding != "32FC1":
+    target = " bgr8" if image.encoding == "rgb8" else ""
+    message.format = f"{image.encoding}; {settings.compressed_format} compressed{target}"
+    if image.encoding != "32FC1":
         jpeg = settings.compressed_format == "jpeg"
         options = [cv2.IMWRITE_JPEG_QUALITY, settings.jpeg_quality] if jpeg else [cv2.IMWRITE_PNG_COMPRESSION, 1]
         bgr = pixels[:, :, ::-1] if pixels.ndim == 3 else pixels

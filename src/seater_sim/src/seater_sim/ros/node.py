@@ -15,7 +15,7 @@ from seater_sim.odometry import OdometrySample
 from seater_sim.ros.links import Links
 from seater_sim.ros.options import Options, load_options
 from seater_sim.settings import NANOSECONDS
-from seater_sim.simulator import Due, Picture, Simulator
+from seater_sim.simulator import Due, SimulatedImage, Simulator
 
 PAUSED_PERIOD = 0.1  # [s] wall time between two clock messages while the time stands
 
@@ -122,8 +122,8 @@ class SimNode:
         for event in due.events:
             rospy.loginfo("Event at %.2f s: %s %s", due.time_ns / NANOSECONDS, event.do, list(event.ids) or "")
         self._publish_state(due)
-        for picture in due.pictures:
-            self._publish_picture(picture)
+        for image in due.images:
+            self._publish_image(image)
 
     def _publish_state(self, due: Due) -> None:
         if due.tick:
@@ -137,11 +137,11 @@ class SimNode:
         if self._options.lock_step:
             self._links.wait_for_odometry_answers(sample.time_ns)
 
-    def _publish_picture(self, picture: Picture) -> None:
-        looked_at = self._links.publish_picture(picture, self._simulator.camera)
-        # Perception is silent about pictures that are no pictures, so nobody waits for it then.
-        if looked_at and self._options.lock_step and picture.encoding != "32FC1" and picture.camera_info_valid:
-            self._links.wait_for_picture_answers(picture.stamp_ns)
+    def _publish_image(self, image: SimulatedImage) -> None:
+        looked_at = self._links.publish_image(image, self._simulator.camera)
+        # Perception is silent about images that are no images, so nobody waits for it then.
+        if looked_at and self._options.lock_step and image.encoding != "32FC1" and image.camera_info_valid:
+            self._links.wait_for_image_answers(image.stamp_ns)
 
     def _publish_contact(self, contact: bool, collisions: int) -> None:
         if contact != self._contact:

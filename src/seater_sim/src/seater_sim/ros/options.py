@@ -20,7 +20,7 @@ PARTICIPANTS = ("detections", "input_done", "cmd_vel_stamped")
 class RunSettings:
     """How a run goes."""
 
-    seed: int = param(1, "", "of odometry errors and picture noise", low=0)
+    seed: int = param(1, "", "of odometry errors and image noise", low=0)
     start_paused: bool = param(False, "", "the time stands until the service ~run")
     lock_step: bool = param(True, "", "wait for the answers of perception and controller")
     rate: float = param(0.0, "", "limit of simulated over wall time; 0: none", low=0.0, high=1000.0)

@@ -1,4 +1,4 @@
-#include "seater_perception/grey_picture.h"
+#include "seater_perception/grey_image.h"
 
 #include <algorithm>
 #include <array>
@@ -48,7 +48,7 @@ const Format& formatOf(const std::string& encoding) {
     if (encoding == format.encoding) return format;
     allowed += std::string(allowed.empty() ? "" : ", ") + format.encoding;
   }
-  throw PictureError("the picture's encoding is '" + encoding + "', must be one of " + allowed);
+  throw ImageError("the image's encoding is '" + encoding + "', must be one of " + allowed);
 }
 
 bool isBayer(const Format& format) {
@@ -56,22 +56,22 @@ bool isBayer(const Format& format) {
 }
 
 /// A view of the caller's memory, after all that could lead outside of it is excluded.
-cv::Mat viewOf(const RawPicture& p, const Format& format) {
-  if (p.width <= 0 || p.height <= 0 || !p.data || p.size == 0) throw PictureError("the picture is empty");
+cv::Mat viewOf(const RawImage& p, const Format& format) {
+  if (p.width <= 0 || p.height <= 0 || !p.data || p.size == 0) throw ImageError("the image is empty");
   const std::size_t row = static_cast<std::size_t>(p.width) * static_cast<std::size_t>(CV_ELEM_SIZE(format.type));
   // The last row may end with its last pixel.
   if (p.step < row || p.size < p.step * (static_cast<std::size_t>(p.height) - 1) + row) {
-    throw PictureError("the picture is " + std::to_string(p.width) + " x " + std::to_string(p.height) + " in " +
-                       p.encoding + ", which does not fit its rows of " + std::to_string(p.step) + " bytes and " +
-                       std::to_string(p.size) + " bytes of data");
+    throw ImageError("the image is " + std::to_string(p.width) + " x " + std::to_string(p.height) + " in " +
+                     p.encoding + ", which does not fit its rows of " + std::to_string(p.step) + " bytes and " +
+                     std::to_string(p.size) + " bytes of data");
   }
   if (p.step % static_cast<std::size_t>(CV_ELEM_SIZE1(format.type)) != 0) {
-    throw PictureError("the picture's rows of " + std::to_string(p.step) + " bytes do not hold whole values of " +
-                       p.encoding);
+    throw ImageError("the image's rows of " + std::to_string(p.step) + " bytes do not hold whole values of " +
+                     p.encoding);
   }
   if (isBayer(format) && (p.width < 3 || p.height < 3)) {
-    throw PictureError("the picture is " + std::to_string(p.width) + " x " + std::to_string(p.height) + " in " +
-                       p.encoding + ", must be at least 3 x 3");
+    throw ImageError("the image is " + std::to_string(p.width) + " x " + std::to_string(p.height) + " in " +
+                     p.encoding + ", must be at least 3 x 3");
   }
   // cv::Mat takes no const memory; nothing here writes to it.
   return {p.height, p.width, format.type, const_cast<std::uint8_t*>(p.data), p.step};
@@ -83,11 +83,11 @@ bool machineIsBigEndian() {
 }
 
 /// A copy in this machine's byte order.
-cv::Mat swapped(const cv::Mat& picture) {
-  cv::Mat result(picture.size(), picture.type());
-  const int values = picture.cols * picture.channels();
-  for (int y = 0; y < picture.rows; ++y) {
-    const auto* from = picture.ptr<std::uint16_t>(y);
+cv::Mat swapped(const cv::Mat& image) {
+  cv::Mat result(image.size(), image.type());
+  const int values = image.cols * image.channels();
+  for (int y = 0; y < image.rows; ++y) {
+    const auto* from = image.ptr<std::uint16_t>(y);
     auto* to = result.ptr<std::uint16_t>(y);
     std::transform(from, from + values, to,
                    [](std::uint16_t v) { return static_cast<std::uint16_t>((v << 8) | (v >> 8)); });
@@ -95,12 +95,12 @@ cv::Mat swapped(const cv::Mat& picture) {
   return result;
 }
 
-cv::Mat converted(const cv::Mat& picture, int conversion) {
+cv::Mat converted(const cv::Mat& image, int conversion) {
   cv::Mat grey;
   if (conversion == kLuma0 || conversion == kLuma1) {
-    cv::extractChannel(picture, grey, conversion == kLuma0 ? 0 : 1);
+    cv::extractChannel(image, grey, conversion == kLuma0 ? 0 : 1);
   } else {
-    cv::cvtColor(picture, grey, conversion);
+    cv::cvtColor(image, grey, conversion);
   }
   return grey;
 }
@@ -118,15 +118,15 @@ cv::Mat reduceTo8Bits(const cv::Mat& grey16) {
   return grey;
 }
 
-cv::Mat toGrey(const RawPicture& picture) {
-  const Format& format = formatOf(picture.encoding);
-  cv::Mat grey = viewOf(picture, format);
-  if (grey.depth() == CV_16U && picture.big_endian != machineIsBigEndian()) grey = swapped(grey);
+cv::Mat toGrey(const RawImage& image) {
+  const Format& format = formatOf(image.encoding);
+  cv::Mat grey = viewOf(image, format);
+  if (grey.depth() == CV_16U && image.big_endian != machineIsBigEndian()) grey = swapped(grey);
   if (format.conversion != kNone) {
     try {
       grey = converted(grey, format.conversion);
     } catch (const cv::Exception& error) {
-      throw PictureError("the picture cannot be converted from " + picture.encoding + ": " + error.what());
+      throw ImageError("the image cannot be converted from " + image.encoding + ": " + error.what());
     }
   }
   return grey.depth() == CV_16U ? reduceTo8Bits(grey) : grey;

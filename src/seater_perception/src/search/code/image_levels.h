@@ -10,18 +10,18 @@
 
 namespace seater_perception {
 
-/// A CV_8UC1 picture and its halvings, smoothed so that a level can be sampled anywhere (P. Burt and E. Adelson, "The
-/// Laplacian pyramid as a compact image code", 1983), made when they are needed. Holds no copy of the picture: it has
+/// A CV_8UC1 image and its halvings, smoothed so that a level can be sampled anywhere (P. Burt and E. Adelson, "The
+/// Laplacian pyramid as a compact image code", 1983), made when they are needed. Holds no copy of the image: it has
 /// to outlive this. Not thread-safe.
-class PictureLevels {
+class ImageLevels {
  public:
-  explicit PictureLevels(const cv::Mat& grey);
+  explicit ImageLevels(const cv::Mat& grey);
 
   const cv::Mat& grey() const { return levels_.front(); }
 
   /// Grey levels under a quadrilateral (corners of the print's square: -1 -1, 1 -1, 1 1, -1 1) at the points of the
   /// grid; of cells from 4 px on, the mean of four points round each, from the level in which cells have 4 to 8 px, so
-  /// that each sample stands for its part of a cell. Weight 1; outside of the picture, and where the quadrilateral's
+  /// that each sample stands for its part of a cell. Weight 1; outside of the image, and where the quadrilateral's
   /// plane is behind the camera, weight and sample 0.
   struct Samples {
     Eigen::VectorXf grey, weights;

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The nodelet meets pictures and calibrations that it cannot use: an error, no output, no crash; a good one works."""
+"""The nodelet meets images and calibrations that it cannot use: an error, no output, no crash; a good one works."""
 
 import math
 import sys
@@ -20,14 +20,14 @@ WIDTH, HEIGHT = 1280, 720
 
 
 def scene() -> np.ndarray:
-    """Marker 0 of the default dock, 200 px wide, in the middle of a grey picture."""
+    """Marker 0 of the default dock, 200 px wide, in the middle of a grey image."""
     dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
-    picture = np.full((HEIGHT, WIDTH), 200, np.uint8)
-    picture[260:460, 540:740] = cv2.aruco.drawMarker(dictionary, 0, 200)
-    return picture
+    image = np.full((HEIGHT, WIDTH), 200, np.uint8)
+    image[260:460, 540:740] = cv2.aruco.drawMarker(dictionary, 0, 200)
+    return image
 
 
-def image(data: np.ndarray, encoding: str) -> Image:
+def image_message(data: np.ndarray, encoding: str) -> Image:
     message = Image(height=data.shape[0], width=data.shape[1], encoding=encoding)
     message.step = data.strides[0]
     message.data = data.tobytes()
@@ -44,15 +44,15 @@ def camera_info(**changes: object) -> CameraInfo:
     return message
 
 
-class BadPictures(unittest.TestCase):
+class BadImages(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
-        rospy.init_node("bad_pictures")
+        rospy.init_node("bad_images")
 
     def setUp(self) -> None:
         self.received: list[MarkerDetectionArray] = []
         self.arrived = threading.Condition()
-        self.pictures = rospy.Publisher("camera/color/image_raw", Image, queue_size=10)
+        self.images = rospy.Publisher("camera/color/image_raw", Image, queue_size=10)
         self.infos = rospy.Publisher("camera/color/camera_info", CameraInfo, queue_size=10)
         self.subscriber: rospy.Subscriber | None = None
         self.stamp = 0
@@ -60,13 +60,13 @@ class BadPictures(unittest.TestCase):
     def tearDown(self) -> None:
         if self.subscriber is not None:
             self.subscriber.unregister()
-        self.pictures.unregister()
+        self.images.unregister()
         self.infos.unregister()
         time.sleep(0.5)
 
     def listen(self) -> None:
         self.subscriber = rospy.Subscriber("detections", MarkerDetectionArray, self.on_detections, queue_size=10)
-        self.wait(lambda: self.pictures.get_num_connections() > 0 and self.infos.get_num_connections() > 0)
+        self.wait(lambda: self.images.get_num_connections() > 0 and self.infos.get_num_connections() > 0)
 
     def on_detections(self, message: MarkerDetectionArray) -> None:
         with self.arrived:
@@ -79,19 +79,19 @@ class BadPictures(unittest.TestCase):
             self.assertLess(time.monotonic(), end, "waited too long")
             time.sleep(0.02)
 
-    def send(self, picture: Image, info: CameraInfo) -> rospy.Time:
+    def send(self, image: Image, info: CameraInfo) -> rospy.Time:
         self.stamp += 1
         stamp = rospy.Time(1000 + self.stamp)
-        for message in (picture, info):
+        for message in (image, info):
             message.header.stamp = stamp
             message.header.frame_id = "camera_color_optical_frame"
         self.infos.publish(info)
-        self.pictures.publish(picture)
+        self.images.publish(image)
         return stamp
 
     def find(self) -> MarkerDetectionArray:
-        """A good picture is answered, with its stamp and frame."""
-        stamp = self.send(image(scene(), "mono8"), camera_info())
+        """A good image is answered, with its stamp and frame."""
+        stamp = self.send(image_message(scene(), "mono8"), camera_info())
         self.wait(lambda: bool(self.received))
         message = self.received.pop()
         self.assertEqual(message.header.stamp, stamp)
@@ -101,54 +101,54 @@ class BadPictures(unittest.TestCase):
 
     def test_listens_to_the_camera_only_while_someone_listens(self) -> None:
         time.sleep(1.0)
-        self.assertEqual(self.pictures.get_num_connections(), 0)
+        self.assertEqual(self.images.get_num_connections(), 0)
         self.listen()
         assert self.subscriber is not None
         self.subscriber.unregister()
-        self.wait(lambda: self.pictures.get_num_connections() == 0)
+        self.wait(lambda: self.images.get_num_connections() == 0)
 
-    def test_good_picture_in_several_encodings(self) -> None:
+    def test_good_image_in_several_encodings(self) -> None:
         self.listen()
         self.assertAlmostEqual(self.find().markers[0].pose.pose.position.z, 0.1 * 640 / 200, delta=0.002)
         grey = scene()
         colour = np.repeat(grey[:, :, None], 3, axis=2)
         chroma = np.full_like(grey, 128)
         deep = (16 * grey.astype(np.uint16)).astype("<u2")  # a sensor of 12 bits
-        for encoding, picture in (
+        for encoding, image in (
             ("bgr8", colour), ("rgb8", colour), ("bgra8", np.dstack([colour, grey])), ("bayer_grbg8", grey),
             ("yuv422", np.dstack([chroma, grey])), ("yuv422_yuy2", np.dstack([grey, chroma])),
             ("mono16", deep), ("bayer_rggb16", deep), ("rgb16", np.repeat(deep[:, :, None], 3, axis=2)),
         ):  # fmt: skip
             with self.subTest(encoding):
-                self.send(image(picture, encoding), camera_info())
+                self.send(image_message(image, encoding), camera_info())
                 self.wait(lambda: bool(self.received))
                 self.assertEqual([m.id for m in self.received.pop().markers], [0])
 
     def test_nothing_is_made_of_what_cannot_be_used(self) -> None:
         self.listen()
         self.find()
-        good = image(scene(), "mono8")
+        good = image_message(scene(), "mono8")
         nan = math.nan
         zero_k = camera_info(K=[0.0] * 9)
         nan_k = camera_info(K=[nan, 0.0, 639.5, 0.0, 640.0, 359.5, 0.0, 0.0, 1.0])
         nan_d = camera_info(D=[nan, 0.0, 0.0, 0.0, 0.0])
         other_size = camera_info(width=640, height=480)
         empty = Image(height=0, width=0, encoding="mono8", step=0)
-        short = image(scene(), "mono8")
+        short = image_message(scene(), "mono8")
         short.data = short.data[:1000]
-        float_nan = image(np.full((HEIGHT, WIDTH), nan, np.float32), "32FC1")
-        unknown = image(scene(), "no_such_encoding")
-        for name, picture, info in (
+        float_nan = image_message(np.full((HEIGHT, WIDTH), nan, np.float32), "32FC1")
+        unknown = image_message(scene(), "no_such_encoding")
+        for name, image, info in (
             ("K = 0", good, zero_k), ("K = NaN", good, nan_k), ("D = NaN", good, nan_d), ("size", good, other_size),
             ("empty", empty, camera_info()), ("short", short, camera_info()),
             ("NaN", float_nan, camera_info()), ("encoding", unknown, camera_info()),
         ):  # fmt: skip
             with self.subTest(name):
-                self.send(picture, info)
+                self.send(image, info)
                 time.sleep(0.3)
                 self.assertEqual(self.received, [])
                 self.find()
 
 
 if __name__ == "__main__":
-    rostest.rosrun("seater_test", "bad_pictures", BadPictures, sys.argv)
+    rostest.rosrun("seater_test", "bad_images", BadImages, sys.argv)

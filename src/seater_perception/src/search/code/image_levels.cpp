@@ -1,4 +1,4 @@
-#include "search/code/picture_levels.h"
+#include "search/code/image_levels.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -17,13 +17,13 @@ constexpr float kNearestPlane = 0.05f;  // of the homography's third coordinate
 
 }  // namespace
 
-PictureLevels::PictureLevels(const cv::Mat& grey) {
+ImageLevels::ImageLevels(const cv::Mat& grey) {
   levels_.push_back(grey);
   for (int length = std::min(grey.cols, grey.rows); most_ < kMostLevels && length >= 2 * kSmallestLevel; ++most_)
     length = (length + 1) / 2;
 }
 
-const cv::Mat& PictureLevels::level(std::size_t number) const {
+const cv::Mat& ImageLevels::level(std::size_t number) const {
   while (levels_.size() <= number) {
     cv::Mat coarser;
     cv::pyrDown(levels_.back(), coarser, cv::Size(), cv::BORDER_REPLICATE);
@@ -53,19 +53,19 @@ double meanSide(const Quad& q) {
 
 namespace {
 
-/// Bilinear; false outside of the picture.
-bool greyAt(const cv::Mat& picture, const Eigen::Vector3f& p, float& grey) {
-  const float last_u = static_cast<float>(picture.cols) - 1.0f, last_v = static_cast<float>(picture.rows) - 1.0f;
+/// Bilinear; false outside of the image.
+bool greyAt(const cv::Mat& image, const Eigen::Vector3f& p, float& grey) {
+  const float last_u = static_cast<float>(image.cols) - 1.0f, last_v = static_cast<float>(image.rows) - 1.0f;
   if (!(p.z() > kNearestPlane)) return false;
   const float scale = 1.0f / p.z();
   float u = p.x() * scale, v = p.y() * scale;
   if (!(u >= -0.5f && v >= -0.5f && u <= last_u + 0.5f && v <= last_v + 0.5f)) return false;
   u = std::clamp(u, 0.0f, last_u);
   v = std::clamp(v, 0.0f, last_v);
-  const int x = std::min(static_cast<int>(u), picture.cols - 2), y = std::min(static_cast<int>(v), picture.rows - 2);
+  const int x = std::min(static_cast<int>(u), image.cols - 2), y = std::min(static_cast<int>(v), image.rows - 2);
   const float s = u - static_cast<float>(x), t = v - static_cast<float>(y);
-  const uchar* top = picture.data + picture.step[0] * static_cast<std::size_t>(y) + x;
-  const uchar* below = top + picture.step[0];
+  const uchar* top = image.data + image.step[0] * static_cast<std::size_t>(y) + x;
+  const uchar* below = top + image.step[0];
   const float a = top[0] + s * (top[1] - top[0]), b = below[0] + s * (below[1] - below[0]);
   grey = a + t * (b - a);
   return true;
@@ -73,13 +73,13 @@ bool greyAt(const cv::Mat& picture, const Eigen::Vector3f& p, float& grey) {
 
 constexpr int kMostInRow = 64;
 
-/// Points of a row of the grid in the picture: number of the upper left pixel, and how far beyond it.
+/// Points of a row of the grid in the image: number of the upper left pixel, and how far beyond it.
 struct RowPlaces {
   alignas(64) float s[kMostInRow], t[kMostInRow];
   alignas(64) int pixel[kMostInRow];
 };
 
-/// At H0 * x + across, for n points; false when one of them may be out of the picture.
+/// At H0 * x + across, for n points; false when one of them may be out of the image.
 SEATER_VECTOR_CLONES bool place(const float* x, int n, const float* H0, const float* across, int width, int height,
                                 int step, RowPlaces& __restrict places) {
   const float last_u = static_cast<float>(width) - 1.0f, last_v = static_cast<float>(height) - 1.0f;
@@ -101,8 +101,8 @@ SEATER_VECTOR_CLONES bool place(const float* x, int n, const float* H0, const fl
 }
 
 /// Bilinear.
-float greyAt(const uchar* picture, std::size_t step, const RowPlaces& places, int i) {
-  const uchar *top = picture + places.pixel[i], *below = top + step;
+float greyAt(const uchar* image, std::size_t step, const RowPlaces& places, int i) {
+  const uchar *top = image + places.pixel[i], *below = top + step;
   const float s = places.s[i];
   const float a = static_cast<float>(top[0]) + s * static_cast<float>(top[1] - top[0]);
   const float b = static_cast<float>(below[0]) + s * static_cast<float>(below[1] - below[0]);
@@ -112,28 +112,28 @@ float greyAt(const uchar* picture, std::size_t step, const RowPlaces& places, in
 /// Samples under H, one point at each of the grid's or four round it (`apart` > 0).
 class Sampler {
  public:
-  Sampler(const cv::Mat& picture, const Eigen::Matrix3f& H, const PatternGrid& grid, float apart)
-      : picture_(picture), H_(H), grid_(grid), apart_(apart), several_(apart > 0.0f), length_(grid.along()) {
+  Sampler(const cv::Mat& image, const Eigen::Matrix3f& H, const PatternGrid& grid, float apart)
+      : image_(image), H_(H), grid_(grid), apart_(apart), several_(apart > 0.0f), length_(grid.along()) {
     if (several_) length_ *= 2;
     for (int i = 0; i < std::min(length_, kMostInRow); ++i)
       x_[i] = several_ ? grid.x(i / 2) + (i % 2 ? apart : -apart) : grid.x(i);
   }
 
-  /// A row that lies within the picture as a whole; else false.
+  /// A row that lies within the image as a whole; else false.
   bool whole(int row, float* grey) const {
     if (length_ > kMostInRow) return false;
-    const auto step = static_cast<std::size_t>(picture_.step[0]);
+    const auto step = static_cast<std::size_t>(image_.step[0]);
     for (int line = 0; line < (several_ ? 2 : 1); ++line) {
       const float y = grid_.y(row) + (several_ ? (line == 0 ? -apart_ : apart_) : 0.0f);
       const Eigen::Vector3f across = H_.col(1) * y + H_.col(2);
       RowPlaces places;
-      if (!place(x_, length_, H_.data(), across.data(), picture_.cols, picture_.rows, static_cast<int>(step), places))
+      if (!place(x_, length_, H_.data(), across.data(), image_.cols, image_.rows, static_cast<int>(step), places))
         return false;
       for (int k = 0; k < grid_.along(); ++k) {
         if (!several_) {
-          grey[k] = greyAt(picture_.data, step, places, k);
+          grey[k] = greyAt(image_.data, step, places, k);
         } else {
-          const float two = greyAt(picture_.data, step, places, 2 * k) + greyAt(picture_.data, step, places, 2 * k + 1);
+          const float two = greyAt(image_.data, step, places, 2 * k) + greyAt(image_.data, step, places, 2 * k + 1);
           grey[k] = line == 0 ? 0.25f * two : grey[k] + 0.25f * two;
         }
       }
@@ -141,21 +141,21 @@ class Sampler {
     return true;
   }
 
-  /// One point, which may be out of the picture.
+  /// One point, which may be out of the image.
   bool single(int row, int column, float& grey) const {
     const Eigen::Vector3f p = H_.col(0) * grid_.x(column) + H_.col(1) * grid_.y(row) + H_.col(2);
-    if (!several_) return greyAt(picture_, p, grey);
+    if (!several_) return greyAt(image_, p, grey);
     const Eigen::Vector3f right = apart_ * H_.col(0), down = apart_ * H_.col(1);
     float a = 0.0f, b = 0.0f, c = 0.0f, d = 0.0f;
-    if (!greyAt(picture_, p + right + down, a) || !greyAt(picture_, p + right - down, b) ||
-        !greyAt(picture_, p - right + down, c) || !greyAt(picture_, p - right - down, d))
+    if (!greyAt(image_, p + right + down, a) || !greyAt(image_, p + right - down, b) ||
+        !greyAt(image_, p - right + down, c) || !greyAt(image_, p - right - down, d))
       return false;
     grey = 0.25f * (a + b + c + d);
     return true;
   }
 
  private:
-  const cv::Mat& picture_;
+  const cv::Mat& image_;
   const Eigen::Matrix3f& H_;
   const PatternGrid& grid_;
   const float apart_;
@@ -166,7 +166,7 @@ class Sampler {
 
 }  // namespace
 
-void PictureLevels::sample(const Quad& quad, const PatternGrid& grid, Samples& samples) const {
+void ImageLevels::sample(const Quad& quad, const PatternGrid& grid, Samples& samples) const {
   const double cell = meanSide(quad) / grid.cells();
   std::size_t number = 0;
   while (number + 1 < most_ && cell >= 2.0 * kSeveralFrom * (1 << number)) ++number;

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The camera sends pictures full of NaN: the chair does not move, and the action says that no dock was found."""
+"""The camera sends images full of NaN: the chair does not move, and the action says that no dock was found."""
 
 import sys
 
@@ -11,20 +11,20 @@ from sensor_msgs.msg import Image
 from seater_msgs.msg import DockResult, MarkerDetectionArray
 
 
-class NanPictures(DockingCase):
+class NanImages(DockingCase):
     def test_no_motion(self) -> None:
-        pictures: list[str] = []
+        images: list[str] = []
         detections: list[MarkerDetectionArray] = []
-        rospy.Subscriber("camera/color/image_raw", Image, lambda m: pictures.append(m.encoding), queue_size=10)
+        rospy.Subscriber("camera/color/image_raw", Image, lambda m: images.append(m.encoding), queue_size=10)
         rospy.Subscriber("detections", MarkerDetectionArray, detections.append, queue_size=10)
         self.start()
         result = self.result()
         self.assertEqual(result.result_code, DockResult.FAILED_TO_DETECT_DOCK, result.result_text)
-        self.assertGreater(len(pictures), 10)
-        self.assertEqual(detections, [], "perception made something of a picture without content")
+        self.assertGreater(len(images), 10)
+        self.assertEqual(detections, [], "perception made something of an image without content")
         self.assertTrue(all(v == 0.0 and omega == 0.0 for _, v, omega in self.commands))
         self.assertEqual(self.truth[0][1:4], self.truth[-1][1:4])
 
 
 if __name__ == "__main__":
-    rostest.rosrun("seater_test", "nan_pictures", NanPictures, sys.argv)
+    rostest.rosrun("seater_test", "nan_images", NanImages, sys.argv)

@@ -1,4 +1,4 @@
-// Pictures that others published, with their corners and poses. Skipped with a message where they are not installed.
+// Images that others published, with their corners and poses. Skipped with a message where they are not installed.
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ std::string sharedFolder() {
   return given ? given : SEATER_SHARED_DIR;
 }
 
-/// Corners in the file's order, in this package's convention. The files count pixel edges (the picture's corner is 0,
+/// Corners in the file's order, in this package's convention. The files count pixel edges (the image's corner is 0,
 /// 0): its coordinates are 0.5 larger than ours, in corners and principal point alike.
 std::map<int, Corners> readCorners(const std::string& path) {
   std::map<int, Corners> all;
@@ -53,8 +53,8 @@ class AprilTags : public testing::TestWithParam<std::tuple<const char*, const ch
 TEST_P(AprilTags, cornersAndPosesAreThePublishedOnes) {
   const auto [family, dictionary, cells] = GetParam();
   const std::string folder = kAprilTags;
-  const cv::Mat picture = cv::imread(folder + "tag" + family + "_640x480.png", cv::IMREAD_GRAYSCALE);
-  if (picture.empty()) GTEST_SKIP() << "Debian's package visp-images-data is not installed (" << folder << ")";
+  const cv::Mat image = cv::imread(folder + "tag" + family + "_640x480.png", cv::IMREAD_GRAYSCALE);
+  if (image.empty()) GTEST_SKIP() << "Debian's package visp-images-data is not installed (" << folder << ")";
   const auto published = readCorners(folder + "corners_tag" + family + ".txt");
   ASSERT_EQ(published.size(), 5u);
   Calibration c =
@@ -65,7 +65,7 @@ TEST_P(AprilTags, cornersAndPosesAreThePublishedOnes) {
     const double size = 0.25 * cells / (cells + 2.0) * (half ? 0.5 : 1.0);
     const DockDetector detector(CameraModel::raw(c), layoutOfEqualMarkers(dictionary, size), PerceptionParameters(),
                                 CameraMount());
-    const auto result = detector.detect(picture);
+    const auto result = detector.detect(image);
     ASSERT_EQ(result.markers.size(), 5u);
     for (const DetectedMarker& m : result.markers) {
       if ((m.image.id >= 3) != half) continue;
@@ -100,8 +100,8 @@ INSTANTIATE_TEST_SUITE_P(Families, AprilTags,
 
 TEST(Photograph, cornersAreThePublishedOnes) {
   const std::string path = sharedFolder() + "/data/real_aruco/tag_01_d7_14cm.png";
-  const cv::Mat picture = cv::imread(path, cv::IMREAD_GRAYSCALE);
-  if (picture.empty()) GTEST_SKIP() << "the photograph is not there: " << path << " (folder: SEATER_SHARED_DIR)";
+  const cv::Mat image = cv::imread(path, cv::IMREAD_GRAYSCALE);
+  if (image.empty()) GTEST_SKIP() << "the photograph is not there: " << path << " (folder: SEATER_SHARED_DIR)";
   Calibration c;
   c.width = 1280;
   c.height = 960;
@@ -110,7 +110,7 @@ TEST(Photograph, cornersAreThePublishedOnes) {
   c.distortion_model = "plumb_bob";
   const DockDetector detector(CameraModel::raw(c), layoutOfEqualMarkers("DICT_5X5_1000", 0.145), PerceptionParameters(),
                               CameraMount());
-  const auto result = detector.detect(picture);
+  const auto result = detector.detect(image);
   ASSERT_EQ(result.markers.size(), 1u);
   const DetectedMarker& marker = result.markers[0];
   EXPECT_EQ(marker.image.id, 1);
