@@ -1,48 +1,39 @@
 #!/usr/bin/env python3
-"""Run the tests of the built workspace: gtest, pytest, rostest, evaluation commands, catkin_lint, ruff, mypy, clang-format.
+"""Run the tests of the built workspace with CTest and add up their cases; ends with one line `N passed, N failed`.
 
-Checks that do not depend on how quick the machine is share its cores; what measures time or lives by the clock on the
-wall, or takes all cores by itself, runs alone afterwards. Ends with one line `N passed, N failed`, with `, N skipped`
-where tests were skipped. Details are in results/test.
+Every test is registered with CMake by the package that it belongs to (gtest, pytest, rostest, evaluation, lint, install), so
+`ctest --test-dir build` runs the same. This program chooses, shows progress, and sums the cases of all JUnit files. Checks
+share the cores; what measures time or lives by the clock on the wall runs alone (RUN_SERIAL).
+Output of each test: build/Testing/Temporary/LastTest.log; JUnit files and figures: build/test_results.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 import os
+import re
 import subprocess
 import sys
-import time
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections import defaultdict
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-OUTPUT = ROOT / "results" / "test"
-LONGEST = 1200  # [s] of one command
-EVALUATIONS = (
-    "docking_table", "solver_benchmark", "controller_campaign", "perception_accuracy", "perception_range",
-    "perception_shadows", "perception_speed",
-)  # fmt: skip
-# Send images at the pace of the clock on the wall, and wait a while for what must not come.
-PACED = ("bad_images", "camera_moves")
-# Bars that the data cannot decide (docs/perception_evaluation.md says why): missed, they count as skipped, not as failed.
-UNDECIDABLE = {"visp-images-data: worst position error / best of OpenCV's refinements"}
+LONGEST = 900  # [s] of one test
+KINDS = ("lint", "gtest", "pytest", "install", "rostest", "evaluation")
+CATKIN_NAME = re.compile(r"_ctest_(?P<package>\w+?)_(?P<kind>gtest|pytest|rostest|evaluation)_(?P<name>.+)")
 
 
 @dataclass
 class Tally:
-    """Counts and what went wrong."""
+    """Cases, and what went wrong."""
 
     passed: int = 0
     failed: int = 0
     skipped: int = 0
     problems: list[str] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)  # for the screen
+    notes: list[str] = field(default_factory=list)
 
     def add(self, other: Tally) -> None:
         self.passed += other.passed
@@ -55,212 +46,139 @@ class Tally:
         return f"{self.passed} passed, {self.failed} failed" + (f", {self.skipped} skipped" if self.skipped else "")
 
 
-@dataclass
-class Check:
-    """What runs as one piece and has no need of the others."""
+@dataclass(frozen=True)
+class Test:
+    """One entry of CTest's report."""
 
     name: str
-    run: Callable[[], Tally]
-    alone: bool = False  # depends on how quick the machine is, or takes all cores by itself
+    seconds: float
+    passed: bool
+    output: str
+
+    @property
+    def kind(self) -> str:
+        """One of KINDS."""
+        match = CATKIN_NAME.fullmatch(self.name)
+        return match["kind"] if match else self.name.partition("_")[0]
+
+    def junit_file(self, results: Path) -> Path | None:
+        """The file in the folder of results that holds every case; None for a test that is its exit code."""
+        match = CATKIN_NAME.fullmatch(self.name)
+        if match is None:
+            return None
+        folder, name = results / match["package"], match["name"]
+        if match["kind"] == "rostest":
+            return folder / f"rosunit-{name.removeprefix('launch_').removesuffix('.test')}.xml"
+        if match["kind"] == "pytest":
+            return folder / ("pytest.xml" if name == match["package"] else f"pytest-{name}.xml")
+        return folder / f"{match['kind']}-{name}.xml"
 
 
-def command(name: str, words: list[str], **environment: str) -> tuple[int, Path]:
-    """Runs it with its output in a file; returns exit code and file."""
-    log = OUTPUT / f"{name}.log"
-    with log.open("wb") as out:
-        try:
-            run = subprocess.run(
-                words, cwd=ROOT, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, timeout=LONGEST,
-                env={**os.environ, **environment},
-            )  # fmt: skip
-        except subprocess.TimeoutExpired:
-            return 124, log
-    return run.returncode, log
-
-
-def tail(log: Path, lines: int = 40) -> str:
-    return "\n".join(log.read_text(errors="replace").splitlines()[-lines:])
-
-
-def exit_code(name: str, words: list[str], **environment: str) -> Tally:
-    """A command whose exit code is the test."""
-    code, log = command(name, words, **environment)
-    if code == 0:
-        return Tally(passed=1)
-    return Tally(failed=1, problems=[f"{name}: exit code {code}\n{tail(log)}"])
-
-
-def by_exit_code(name: str, words: list[str], **environment: str) -> Check:
-    return Check(name, partial(exit_code, name, words, **environment))
-
-
-def cases_of(report: Path) -> list[ElementTree.Element]:
-    """The test cases of a JUnit file; none when a crash left it half written."""
+def count_cases(junit: Path) -> Tally:
+    """The cases of a JUnit file; none when it is not there or a crash left it half written."""
     try:
-        return list(ElementTree.parse(report).getroot().iter("testcase"))
-    except ElementTree.ParseError:
-        return []
-
-
-def junit(name: str, words: list[str], report: Path, **environment: str) -> Tally:
-    """Runs it and counts the cases of the JUnit file that it writes; a crash without one is a failure."""
-    report.unlink(missing_ok=True)
-    code, log = command(name, words, **environment)
+        cases = list(ElementTree.parse(junit).getroot().iter("testcase"))
+    except (OSError, ElementTree.ParseError):
+        return Tally()
     tally = Tally()
-    if report.exists() and report.stat().st_size > 0:
-        for case in cases_of(report):
-            wrong = [element for element in case if element.tag in ("failure", "error")]
-            if wrong:
-                tally.failed += 1
-                text = wrong[0].text or wrong[0].get("message") or ""
-                tally.problems.append(f"{name}: {case.get('classname')}.{case.get('name')}\n{text.strip()[-3000:]}")
-            elif case.find("skipped") is not None or case.get("status") == "notrun" or case.get("result") == "skipped":
-                tally.skipped += 1
-                tally.notes.append(f"skipped: {case.get('classname')}.{case.get('name')}")
-            else:
-                tally.passed += 1
-    if code != 0 and tally.failed == 0:
+    for case in cases:
+        name = f"{case.get('classname')}.{case.get('name')}"
+        wrong = [element for element in case if element.tag in ("failure", "error")]
+        if wrong:
+            tally.failed += 1
+            text = wrong[0].text or wrong[0].get("message") or ""
+            tally.problems.append(f"{name}\n{text.strip()[-3000:]}")
+        elif case.find("skipped") is not None or case.get("status") == "notrun" or case.get("result") == "skipped":
+            tally.skipped += 1
+            reason = case.find("skipped")
+            tally.notes.append(f"skipped: {name} {'' if reason is None else reason.get('message') or ''}".rstrip())
+        else:
+            tally.passed += 1
+    return tally
+
+
+def tally_of(test: Test, results: Path) -> Tally:
+    """Cases of one test; a failure that no case shows counts as one, and so does a passed test without a case."""
+    junit = test.junit_file(results)
+    if junit is None:
+        return Tally(passed=1) if test.passed else Tally(failed=1, problems=[f"{test.name}\n{tail(test.output)}"])
+    tally = count_cases(junit)
+    if (not test.passed and tally.failed == 0) or tally.passed + tally.failed + tally.skipped == 0:
         tally.failed += 1
-        tally.problems.append(f"{name}: exit code {code}\n{tail(log)}")
-    if code == 0 and tally.passed + tally.failed + tally.skipped == 0:
-        tally.failed += 1
-        tally.problems.append(f"{name}: ran no test\n{tail(log)}")
+        tally.problems.append(f"{test.name}: ended badly, or without a case\n{tail(test.output)}")
     return tally
 
 
-def gtests() -> Iterator[Check]:
-    programs = sorted(p for p in (ROOT / "build" / "devel" / "lib").glob("*/*_test") if os.access(p, os.X_OK))
-    if not programs:
-        yield Check("gtest", lambda: Tally(failed=1, problems=["gtest: no test program was built"]))
-    for program in programs:
-        report = OUTPUT / f"{program.name}.xml"
-        words = [str(program), f"--gtest_output=xml:{report}"]
-        yield Check(program.name, partial(junit, program.name, words, report))
+def tail(text: str, lines: int = 40) -> str:
+    return "\n".join(text.splitlines()[-lines:])
 
 
-def pytests() -> Iterator[Check]:
-    """One run for each package: their test modules and conftest files may bear the same names."""
-    folders = [f for f in sorted(ROOT.glob("src/*/test")) if any(f.glob("test_*.py"))]
-    for folder in [*folders, ROOT / "test" / "structure"]:
-        name = f"pytest_{folder.parent.name}"
-        report = OUTPUT / f"{name}.xml"
-        words = [sys.executable, "-m", "pytest", f"--junitxml={report}", str(folder.relative_to(ROOT))]
-        yield Check(name, partial(junit, name, words, report))
+def read_report(report: Path) -> list[Test]:
+    """CTest's own JUnit report."""
+    cases = ElementTree.parse(report).getroot().iter("testcase")
+    return [
+        Test(
+            case.get("name", ""),
+            float(case.get("time", "0")),
+            case.get("status") == "run",
+            case.findtext("system-out", ""),
+        )
+        for case in cases
+    ]
 
 
-def rostests() -> Iterator[Check]:
-    for launch in sorted((ROOT / "test" / "launch").glob("*.test")):
-        yield rostest(launch)
+def ctest_command(options: argparse.Namespace, report: Path) -> list[str]:
+    words = ["ctest", "--test-dir", str(options.build), "-j", str(max(1, options.jobs)), "--timeout", str(LONGEST)]
+    words += ["--output-junit", str(report), "--no-tests=error"]
+    if options.rostest:
+        wanted = [f"_rostest_launch_{re.escape(name)}\\.test$" for name in options.rostest]
+    elif options.only:
+        wanted = [f"^{kind}|_{kind}_" for kind in options.only]
+    else:
+        wanted = [options.match] if options.match else []
+    return [*words, "-R", "|".join(wanted)] if wanted else words
 
 
-def rostest(launch: Path) -> Check:
-    base = OUTPUT / "rostest"
-    report = base / "seater_test" / f"rosunit-{launch.stem}.xml"  # with every case of the script
-    words = ["rostest", "--results-base-dir", str(base), "--results-filename", f"{launch.stem}.xml", str(launch)]
-    name = f"rostest_{launch.stem}"
-    run = partial(junit, name, words, report, ROS_LOG_DIR=str(OUTPUT / "ros" / launch.stem))
-    return Check(name, run, alone=launch.stem in PACED)
-
-
-def packages() -> list[Path]:
-    return sorted(p.parent for folder in ("src/*", "config", "test") for p in ROOT.glob(f"{folder}/package.xml"))
-
-
-def lint() -> Iterator[Check]:
-    for package in packages():
-        words = ["catkin_lint", "-W2", "--strict", str(package)]
-        if package.parent == ROOT:  # config/ and test/ are named for people who look into the repository
-            words += ["--ignore", "package_path_name"]
-        yield by_exit_code(f"catkin_lint_{package.name}", words)
-    yield by_exit_code("ruff_check", ["ruff", "check", "."])
-    yield by_exit_code("ruff_format", ["ruff", "format", "--check", "."])
-    sources = [p / "src" for p in packages() if (p / "src" / p.name.replace("test", "seater_test")).is_dir()]
-    path = ":".join(str(s) for s in sources)
-    yield by_exit_code("mypy", ["mypy", *(str(s) for s in sources)], MYPYPATH=path)
-    cpp = sorted(str(f) for end in ("h", "cpp") for f in ROOT.glob(f"src/**/*.{end}"))
-    yield by_exit_code("clang_format", ["clang-format", "--dry-run", "--Werror", *cpp])
-
-
-def install_space() -> Iterator[Check]:
-    """`cmake --install`, then one docking from there with nothing of the build sourced."""
-    yield by_exit_code("install_space", ["bash", "test/install_space.sh", str(ROOT)])
-
-
-def evaluations() -> Iterator[Check]:
-    """The evaluation commands' small versions: each bar counts as a test."""
-    for name in EVALUATIONS:
-        yield Check(name, partial(evaluation, name), alone=True)
-
-
-def evaluation(name: str) -> Tally:
-    report = OUTPUT / "evaluation" / f"{name}.json"
-    report.unlink(missing_ok=True)
-    words = ["rosrun", "seater_eval", name, "--quick", "--results", str(report.parent), "--config", "config"]
-    code, log = command(name, words)
-    bars = json.loads(report.read_text())["bars"] if report.exists() else []
-    missed = [bar for bar in bars if not bar["met"]]
-    wrong = [bar for bar in missed if bar["name"] not in UNDECIDABLE or bar["value"] is None]
-    tally = Tally(len(bars) - len(missed), len(wrong), len(missed) - len(wrong), [f"{name}: {bar}" for bar in wrong])
-    for bar in missed:
-        if bar not in wrong:
-            tally.notes.append(f"not met, undecidable: {bar['name']}: {bar['value']:.3g}, limit {bar['limit']:g}")
-    if not bars or (code != 0) != bool(missed):
-        tally.add(Tally(failed=1, problems=[f"{name}: exit code {code}, {len(missed)} bars missed\n{tail(log)}"]))
-    return tally
-
-
-STAGES: dict[str, Callable[[], Iterator[Check]]] = {
-    "lint": lint,
-    "gtest": gtests,
-    "pytest": pytests,
-    "install": install_space,
-    "rostest": rostests,
-    "evaluation": evaluations,
-}
-
-
-def timed(check: Check) -> Tally:
-    """Runs it and says what came out."""
-    started = time.monotonic()
-    try:
-        tally = check.run()
-    except (OSError, ValueError, KeyError) as error:  # a program that is not there, a report that cannot be read
-        tally = Tally(failed=1, problems=[f"{check.name}: {error!r}"])
-    for note in tally.notes:
-        print(f"  {check.name}: {note}", flush=True)
-    print(f"  {check.name}: {tally} ({time.monotonic() - started:.0f} s)", flush=True)
-    return tally
-
-
-def run_all(checks: list[Check], jobs: int) -> Tally:
-    total = Tally()
-    with ThreadPoolExecutor(jobs) as pool:
-        for tally in pool.map(timed, [check for check in checks if not check.alone]):
-            total.add(tally)
-    for check in checks:
-        if check.alone:
-            total.add(timed(check))
-    return total
+def describe_times(tests: list[Test]) -> str:
+    """Where the time went: the sum of each kind, and the longest tests."""
+    sums: dict[str, float] = defaultdict(float)
+    for test in tests:
+        sums[test.kind] += test.seconds
+    kinds = ", ".join(f"{kind} {sums[kind]:.0f} s" for kind in KINDS if kind in sums)
+    longest = sorted(tests, key=lambda test: -test.seconds)[:8]
+    return f"time of all tests, added up: {kinds}\nlongest: " + ", ".join(
+        f"{test.name.removeprefix('_ctest_')} {test.seconds:.0f} s" for test in longest
+    )
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="seater test", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)  # fmt: skip
-    parser.add_argument("--only", nargs="+", choices=list(STAGES), help="only these stages")
-    parser.add_argument("--rostest", nargs="+", metavar="NAME", help="only these files of test/launch, e.g. cancel")
+    chosen = parser.add_mutually_exclusive_group()
+    chosen.add_argument("--only", nargs="+", choices=KINDS, help="only these kinds of tests")
+    chosen.add_argument("--rostest", nargs="+", metavar="NAME", help="only these files of test/launch, e.g. cancel")
+    chosen.add_argument("--match", metavar="REGEX", help="only tests whose name matches, as `ctest -R`")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, metavar="N",
-                        help="checks at the same time (default: %(default)s, one a core)")  # fmt: skip
+                        help="tests at the same time (default: %(default)s, one a core)")  # fmt: skip
+    parser.add_argument("--build", type=Path, default=ROOT / "build", metavar="DIR",
+                        help="build folder (default: build)")  # fmt: skip
     options = parser.parse_args()
-    OUTPUT.mkdir(parents=True, exist_ok=True)
-    if options.rostest:
-        checks = [rostest(ROOT / "test" / "launch" / f"{name}.test") for name in options.rostest]
-    else:
-        checks = [check for name in options.only or STAGES for check in STAGES[name]()]
-    total = run_all(checks, max(1, options.jobs))
+    results = options.build / "test_results"
+    report = results / "ctest.xml"
+    results.mkdir(parents=True, exist_ok=True)
+    report.unlink(missing_ok=True)
+    code = subprocess.run(ctest_command(options, report), cwd=ROOT).returncode
+    if not report.exists():
+        print("seater test: ctest wrote no report; is there such a test?", file=sys.stderr)
+        return code or 1
+    tests, total = read_report(report), Tally()
+    for test in tests:
+        total.add(tally_of(test, results))
     for problem in total.problems:
         print(f"\nFAILED {problem}")
+    print("\n" + "\n".join([*total.notes, describe_times(tests)]))
     print(f"\n{total}")
-    return 0 if total.failed == 0 and total.passed > 0 else 1
+    return 0 if code == 0 and total.failed == 0 and total.passed > 0 else 1
 
 
 if __name__ == "__main__":
