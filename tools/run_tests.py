@@ -129,6 +129,7 @@ def read_report(report: Path) -> list[Test]:
 
 def ctest_command(options: argparse.Namespace, report: Path) -> list[str]:
     words = ["ctest", "--test-dir", str(options.build), "-j", str(max(1, options.jobs)), "--timeout", str(LONGEST)]
+    words += ["-C", "extensive"] if options.all else []
     words += ["--output-junit", str(report), "--no-tests=error"]
     if options.rostest:
         wanted = [f"_rostest_launch_{re.escape(name)}\\.test$" for name in options.rostest]
@@ -158,6 +159,7 @@ def main() -> int:
     chosen.add_argument("--only", nargs="+", choices=KINDS, help="only these kinds of tests")
     chosen.add_argument("--rostest", nargs="+", metavar="NAME", help="only these files of test/launch, e.g. cancel")
     chosen.add_argument("--match", metavar="REGEX", help="only tests whose name matches, as `ctest -R`")
+    parser.add_argument("--all", action="store_true", help="also what takes long and guards no behaviour (clang-tidy)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, metavar="N",
                         help="tests at the same time (default: %(default)s, one a core)")  # fmt: skip
     parser.add_argument("--build", type=Path, default=ROOT / "build", metavar="DIR",
