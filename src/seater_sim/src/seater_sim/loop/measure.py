@@ -14,10 +14,10 @@ import numpy as np
 import yaml
 
 from seater_common.geometry import Chair, Dock
-from seater_sim.camera import Camera
-from seater_sim.camera_model import CameraModel
+from seater_sim.camera.camera import Camera
+from seater_sim.camera.camera_model import CameraModel
+from seater_sim.loop.simulator import Simulator
 from seater_sim.settings import CameraSettings, SimulatorSettings
-from seater_sim.simulator import Simulator
 
 # Where the chair is (x [m], y [m], heading [rad]) and how it moves (v [m/s], omega [rad/s]).
 CASES = [
