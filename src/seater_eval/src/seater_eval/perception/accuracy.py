@@ -62,7 +62,8 @@ def run_accuracy(config: str | Path, quick: bool, partial: Path | None = None) -
     jobs = [CellJob(config, *cell, images, slow, methods, i) for i, cell in enumerate(wanted)]
     jobs.sort(key=lambda job: job.distance / job.size)  # the longest first, so that no core waits at the end
     blocks = [BranchJob(config, first, min(first + 20, frames)) for first in range(0, frames, 20)]
-    results = run_long(run_part, [*jobs, *blocks], label="perception_accuracy", config=config, partial=partial)
+    files = subject.result_files(config)
+    results = run_long(run_part, [*jobs, *blocks], label="perception_accuracy", files=files, partial=partial)
     cells, counts = results[: len(jobs)], results[len(jobs) :]
     cells.sort(key=lambda cell: (cell["size"], cell["distance"], cell["angle_deg"]))
     return {

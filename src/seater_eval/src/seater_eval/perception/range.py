@@ -206,7 +206,8 @@ def run_range(
     blocks = [NegativeJob(config, first, min(first + 20, total)) for first in range(0, total, 20)]
     others = max(1, total // 10)
     blocks += [NegativeJob(config, first, min(first + 20, others), True) for first in range(0, others, 20)]
-    results = run_long(run_part, [*jobs, *blocks], label="perception_range", config=config, partial=partial)
+    files = subject.result_files(config)
+    results = run_long(run_part, [*jobs, *blocks], label="perception_range", files=files, partial=partial)
     limits, counts = results[: len(jobs)], results[len(jobs) :]
     return {
         "quick": quick,
