@@ -21,7 +21,8 @@ from seater_eval.baselines.pbvs import Pbvs
 from seater_eval.baselines.trajectories import Array
 from seater_eval.control.campaign_run import Case, DockingRun, draw_start, figures
 from seater_eval.control.pose_noise import DockSensor, NoiseModel
-from seater_eval.report.bars import Bar, spread
+from seater_eval.report.bars import Bar
+from seater_eval.report.statistics import spread
 from seater_eval.run.long_run import run_long
 from seater_eval.run.parallel import job_seed
 from seater_eval.run.setup_files import Setup, load_setup

@@ -13,8 +13,9 @@ from seater_eval.perception.accuracy_cells import BranchJob, CellJob, count_wron
 from seater_eval.perception.degraded_camera import load_degraded_camera
 from seater_eval.perception.peers import LABELS
 from seater_eval.perception.published import published_images
-from seater_eval.report.bars import Bar, text_table
+from seater_eval.report.bars import Bar
 from seater_eval.report.evaluation_style import figure, save
+from seater_eval.report.tables import text_table
 from seater_eval.run.long_run import run_long
 
 METHODS = ("seater", "opencv_none", "opencv_default", "opencv_scaled", "opencv_apriltag", "pupil_apriltags")

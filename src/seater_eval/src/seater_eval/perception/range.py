@@ -18,8 +18,9 @@ from seater_eval.perception.negatives import KINDS, OTHER_IDS, negative
 from seater_eval.perception.peers import LABELS, Detector, dictionary_of, make_peer
 from seater_eval.perception.render import Image, Print, clean_image, exposed
 from seater_eval.perception.scenes import facing
-from seater_eval.report.bars import Bar, text_table
+from seater_eval.report.bars import Bar
 from seater_eval.report.evaluation_style import figure, save
+from seater_eval.report.tables import text_table
 from seater_eval.run.long_run import run_long
 from seater_eval.run.parallel import job_seed
 
