@@ -1,4 +1,3 @@
-import io
 import math
 from pathlib import Path
 
@@ -221,14 +220,3 @@ def test_a_missing_solver_leaves_its_bars_unmet_and_says_so() -> None:
     bars = benchmark_bars(benchmark_rows(ipopt_default=16.0))
     assert not any(bar.met for bar in bars)
     assert all("not available: rti, fatrop" in bar.note for bar in bars)
-
-
-def test_progress_goes_where_it_is_sent() -> None:
-    from seater_eval.run.parallel import StepProgress
-    from seater_eval.run.progress import ProgressLine
-
-    stream = io.StringIO()
-    progress = StepProgress("steps", 1, ProgressLine(stream))
-    progress.done()
-    progress.end()
-    assert "steps" in stream.getvalue()

@@ -9,8 +9,8 @@ from seater_eval.run.setup_files import Setup, load_setup
 from seater_nmpc.observe.motion import MotionObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.observe.prediction import CommandHistory
-from seater_sim.odometry import Odometry as WheelOdometry
-from seater_sim.plant import Plant
+from seater_sim.chair.odometry import Odometry as WheelOdometry
+from seater_sim.chair.plant import Plant
 from seater_sim.settings import NANOSECONDS, to_ns
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"

@@ -24,7 +24,7 @@ from seater_nmpc.observe import odometry
 from seater_nmpc.observe.measurement import difference
 from seater_nmpc.observe.observer import DockObserver, Outcome
 from seater_nmpc.parameters import ObserverParameters
-from seater_sim.odometry import Odometry
+from seater_sim.chair.odometry import Odometry
 from seater_sim.settings import NANOSECONDS
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"

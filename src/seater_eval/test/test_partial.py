@@ -1,9 +1,12 @@
-"""An interrupted run goes on where it was, and never with results of other code or other inputs."""
+"""An interrupted run continues where it was, and never with results of other code or other inputs."""
 
+import os
+import signal
 from pathlib import Path
 
 import pytest
 
+from seater_eval.run.long_run import run_long
 from seater_eval.run.parallel import run_jobs
 from seater_eval.run.partial import PartialResults, fingerprint
 
@@ -17,7 +20,7 @@ def square(number: int) -> int:
     return number * number
 
 
-def test_an_interrupted_run_goes_on(tmp_path: Path) -> None:
+def test_an_interrupted_run_continues(tmp_path: Path) -> None:
     path, jobs = tmp_path / "run.partial", [0, 1, 2, 3, 4]
     CALLS.clear()
     with pytest.raises(KeyboardInterrupt):
@@ -66,3 +69,36 @@ def test_the_fingerprint_depends_on_inputs_and_files(tmp_path: Path) -> None:
     assert one != fingerprint([2], [file])
     file.write_text("x: 2")
     assert one != fingerprint([1], [file])
+
+
+def end_once(job: tuple[int, str]) -> int:
+    """Job 2 asks this process to end, the first time."""
+    number, folder = job
+    mark = Path(folder) / f"ran_{number}"
+    if number == 2 and not mark.exists():
+        mark.touch()
+        os.kill(os.getpid(), signal.SIGTERM)
+    mark.touch()
+    return 10 * number
+
+
+def test_an_interrupted_command_says_how_far_it_came(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    partial, jobs = tmp_path / "some.partial", [(number, str(tmp_path)) for number in range(4)]
+    with pytest.raises(SystemExit) as ended:
+        run_long(end_once, jobs, label="some", files=[], partial=partial, workers=1)
+    assert ended.value.code == 130
+    assert f"2 of 4 parts are kept in {partial}" in capsys.readouterr().out
+    (tmp_path / "ran_0").unlink()
+    assert run_long(end_once, jobs, label="some", files=[], partial=partial, workers=1) == [0, 10, 20, 30]
+    assert not (tmp_path / "ran_0").exists()  # its result was kept
+    assert not partial.exists()
+
+
+def test_a_longer_run_of_the_same_inputs_uses_what_is_kept(tmp_path: Path) -> None:
+    partial, jobs = tmp_path / "some.partial", [(number, str(tmp_path)) for number in range(4)]
+    for wanted in (3, 4):  # the first one is interrupted after two jobs
+        try:
+            results = run_long(end_once, jobs[:wanted], label="", files=[], partial=partial, inputs="same", workers=1)
+        except SystemExit:
+            (tmp_path / "ran_0").unlink()
+    assert results == [0, 10, 20, 30] and not (tmp_path / "ran_0").exists()

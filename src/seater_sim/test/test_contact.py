@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from seater_common.geometry import Bay, Chair, Dock, clearance
-from seater_sim.contact import ChargingContact, Walls
 from seater_sim.settings import ContactSettings
+from seater_sim.world.contact import ChargingContact, Walls
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from seater_common.params import ParameterError
-from seater_sim.events import Event, Schedule, WorldState, load_events
+from seater_sim.world.events import Event, Schedule, WorldState, load_events
 
 
 def test_each_event_comes_once_at_its_time_or_distance() -> None:

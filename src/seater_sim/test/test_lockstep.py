@@ -3,7 +3,7 @@
 import threading
 import time
 
-from seater_sim.lockstep import KEEP, Answers
+from seater_sim.loop.lockstep import KEEP, Answers
 
 
 def test_an_answer_that_is_there_is_taken_at_once() -> None:

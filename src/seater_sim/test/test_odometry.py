@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from seater_common.se2 import arc_step, compose, relative, wrap_angle
-from seater_sim.odometry import Odometry, OdometrySample
+from seater_sim.chair.odometry import Odometry, OdometrySample
 from seater_sim.settings import OdometrySettings, PlanarPose
 
 PERIOD = 20_000_000

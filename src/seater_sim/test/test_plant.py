@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from seater_common.geometry import Limits
-from seater_sim.plant import Plant
+from seater_sim.chair.plant import Plant
 from seater_sim.settings import PlantSettings
 
 STEP = 10_000_000  # [ns]

@@ -9,10 +9,10 @@ import pytest
 
 from seater_common.geometry import Chair, Dock, clearance
 from seater_common.params import ParameterError, as_mapping, load
-from seater_sim.camera import Camera
-from seater_sim.events import load_events
+from seater_sim.camera.camera import Camera
+from seater_sim.loop.simulator import Due, Simulator
 from seater_sim.settings import Obstacle, SimulatorSettings
-from seater_sim.simulator import Due, Simulator
+from seater_sim.world.events import load_events
 
 SETTINGS = SimulatorSettings()
 

@@ -9,9 +9,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from seater_common.geometry import Chair, Dock
-from seater_eval.report.bars import text_table
 from seater_eval.report.evaluation_style import COLOURS, draw_bay, figure, save
+from seater_eval.report.tables import text_table
 
+LAWS = ("park_kuipers", "pbvs")
 _DOCKED, _FAILED = "#1f6fb4", "#c03030"
 
 
@@ -34,12 +35,8 @@ def describe_campaign(data: dict[str, Any]) -> str:
         text_table(["", "median", "p95", "p99", "max"], rows),
         "",
         "  From the same starts with a perfect chair and perfect state, walls unknown to them:",
+        text_table(["", "docked", "collided", "median time / minimum time"], [_law_row(s, law) for law in LAWS]),
     ]
-    for law in ("park_kuipers", "pbvs"):
-        b = s[law]
-        ratio = b["time_ratio"]["median"]
-        text = "-" if ratio is None else f"{ratio:.2f}"
-        lines.append(f"    {law:<13} docked {b['docked']}, collided {b['collided']}, median time / minimum time {text}")
     if s["faster_than_the_bound"]:
         lines.append(
             f"  {s['faster_than_the_bound']} runs were faster than their bound: its search missed the optimum there."
@@ -58,6 +55,12 @@ def _complaint(run: dict[str, Any]) -> str:
         f"{1e3 * run['position_error_m']:.1f} mm, collisions {run['collisions']}, "
         f"too fast in the bay by {1e3 * run['excess_bay_speed']:.1f} mm/s"
     )
+
+
+def _law_row(summary: dict[str, Any], law: str) -> list[str]:
+    of_law = summary[law]
+    ratio = of_law["time_ratio"]["median"]
+    return [law, str(of_law["docked"]), str(of_law["collided"]), "-" if ratio is None else f"{ratio:.2f}"]
 
 
 def _spread_row(name: str, values: dict[str, float | None]) -> list[str]:

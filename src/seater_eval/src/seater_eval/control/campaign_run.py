@@ -20,8 +20,8 @@ from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.sequence.docking_sequence import DockingSequence
 from seater_nmpc.sequence.results import Result
+from seater_sim.loop.simulator import Due, Simulator
 from seater_sim.settings import NANOSECONDS, Obstacle
-from seater_sim.simulator import Due, Simulator
 
 # A limit counts as violated from here on. Far above rounding, far below what anyone notices.
 SLACK_SPEED = 1e-3  # [m/s, rad/s]

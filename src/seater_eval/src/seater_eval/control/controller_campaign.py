@@ -21,9 +21,10 @@ from seater_eval.baselines.pbvs import Pbvs
 from seater_eval.baselines.trajectories import Array
 from seater_eval.control.campaign_run import Case, DockingRun, draw_start, figures
 from seater_eval.control.pose_noise import DockSensor, NoiseModel
-from seater_eval.report.bars import Bar, spread
-from seater_eval.run.parallel import job_seed, run_jobs
-from seater_eval.run.partial import PartialResults, fingerprint
+from seater_eval.report.bars import Bar
+from seater_eval.report.statistics import spread
+from seater_eval.run.long_run import run_long
+from seater_eval.run.parallel import job_seed
 from seater_eval.run.setup_files import Setup, load_setup
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.plan.navigator import Navigator
@@ -128,12 +129,19 @@ def run_campaign(
     noise: NoiseModel | None = None,
     partial: Path | None = None,
 ) -> dict[str, Any]:
-    """All runs, in the order of their index. `partial`: file that keeps them, so that an interrupted campaign goes on."""
+    """All runs, in the order of their index. `partial`: see run_long."""
     setup, noise = load_setup(config), noise or NoiseModel()
     cases = draw_cases(setup, runs, seed, noise, True)
     jobs = [CampaignJob(str(config), case, solver, noise) for case in cases]
-    keep = None if partial is None else PartialResults(partial, fingerprint(jobs[:1], Path(config).rglob("*.yaml")))
-    results = run_jobs(run_campaign_job, jobs, workers=workers, label="controller_campaign", keep=keep)
+    results = run_long(
+        run_campaign_job,
+        jobs,
+        label="controller_campaign",
+        files=Path(config).rglob("*.yaml"),
+        partial=partial,
+        inputs=jobs[:1],  # a campaign with more runs of the same seed begins with the same ones
+        workers=workers,
+    )
     conditions = {
         "starts": "x -4..-1 m, y +-1.5 m, heading +-60 deg, a marker found from the start, 0.1 m clear of the walls",
         "plant": dataclasses.asdict(setup.simulator.plant),

@@ -18,8 +18,9 @@ from seater_eval.baselines.paper_formulation import PaperFormulation
 from seater_eval.baselines.park_kuipers import ParkKuipers
 from seater_eval.baselines.pbvs import Pbvs
 from seater_eval.baselines.trajectories import Trajectory
-from seater_eval.report.bars import Bar, text_table
+from seater_eval.report.bars import Bar
 from seater_eval.report.evaluation_style import COLOURS, figure, save
+from seater_eval.report.tables import text_table
 from seater_eval.run.parallel import run_jobs
 from seater_eval.run.setup_files import load_setup
 from seater_nmpc.parameters import ControlParameters, weight_set

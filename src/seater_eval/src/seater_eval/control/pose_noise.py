@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from seater_common.geometry import Chair, Dock, Marker, pose_matrix
 from seater_common.params import param
 from seater_nmpc.observe.measurement import Hypothesis
-from seater_sim.camera_model import CameraModel
+from seater_sim.camera.camera_model import CameraModel
 
 Array = NDArray[np.float64]
 

@@ -21,9 +21,11 @@ from seater_eval.baselines.paper_formulation import PaperFormulation
 from seater_eval.baselines.park_kuipers import ParkKuipers
 from seater_eval.baselines.pbvs import Pbvs
 from seater_eval.baselines.trajectories import Trajectory, quickest
-from seater_eval.report.bars import Bar, spread, text_table
+from seater_eval.report.bars import Bar
 from seater_eval.report.evaluation_style import COLOURS, figure, save
-from seater_eval.run.parallel import StepProgress
+from seater_eval.report.statistics import spread
+from seater_eval.report.tables import text_table
+from seater_eval.run.progress import progress_bar
 from seater_eval.run.setup_files import Setup, load_setup
 
 IPOPT_DEFAULT = "ipopt_default"
@@ -51,18 +53,17 @@ def run_benchmark(config: str | Path, quick: bool) -> dict[str, Any]:
     starts, longest, repeats = (STARTS[:1], 6.0, 4) if quick else (STARTS, 15.0, 1)
     cases = _cases(horizons, quick)
     of_case = {case: starts[: _starts_of(case)] for case in cases}
-    progress = StepProgress("solver_benchmark", repeats * sum(map(len, of_case.values())))
     made = {case: make_controller(case[1], setup, case[0]) for case in cases}
     runs: dict[tuple[int, str], list[Trajectory]] = {case: [] for case in cases}
-    for start in starts:
-        these = [case for case in cases if start in of_case[case]]
-        again: dict[tuple[int, str], list[Trajectory]] = {case: [] for case in these}
-        for case in repeats * these:
-            again[case].append(timed_run(made[case], setup, start, longest, free=case[1] in OTHERS))
-            progress.done()
-        for case in these:
-            runs[case].append(quickest(again[case]))
-    progress.end()
+    with progress_bar("solver_benchmark", repeats * sum(map(len, of_case.values()))) as progress:
+        for start in starts:
+            these = [case for case in cases if start in of_case[case]]
+            again: dict[tuple[int, str], list[Trajectory]] = {case: [] for case in these}
+            for case in repeats * these:
+                again[case].append(timed_run(made[case], setup, start, longest, free=case[1] in OTHERS))
+                progress.update()
+            for case in these:
+                runs[case].append(quickest(again[case]))
     rows = [_row(case, runs[case]) for case in cases]
     return {
         "quick": quick,

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_eval.docking.summary import spread
+from seater_eval.docking.summary import timing, timing_text
+from seater_eval.report.tables import text_list
 
 Array = NDArray[np.float64]
 
@@ -76,36 +77,34 @@ def summarize_replay(images: Sequence[ImageRow], cycles: Sequence[CycleRow], ima
         "detection_rate": len(seen) / len(images) if images else 0.0,
         "longest_gap_s": _longest_gap([p.stamp for p in images], [p.stamp for p in seen]),
         "pose_jitter": _jitter(poses),
-        "perception_ms": spread(processing),
+        "perception_ms": timing(processing),
         "shadow_controller": _shadow(cycles),
     }
 
 
 def replay_table(summary: dict[str, Any]) -> str:
     """The summary for a person."""
-    jitter, perception, shadow = summary["pose_jitter"], summary["perception_ms"], summary["shadow_controller"]
-    lines = [
-        f"  images                 {summary['images_worked_through']} of {summary['images_in_bag']} in the bag",
-        f"  dock detected            {summary['dock_detected']} ({100 * summary['detection_rate']:.1f} %),"
-        f" longest gap {summary['longest_gap_s']:.2f} s",
+    jitter, shadow = summary["pose_jitter"], summary["shadow_controller"]
+    rows = [
+        ("images", f"{summary['images_worked_through']} of {summary['images_in_bag']} in the bag"),
+        (
+            "dock detected",
+            f"{summary['dock_detected']} ({100 * summary['detection_rate']:.1f} %),"
+            f" longest gap {summary['longest_gap_s']:.2f} s",
+        ),
     ]
     if jitter is not None:
-        lines.append(
-            f"  pose jitter (1 sd)       {1e3 * jitter['position_m']:.2f} mm, {jitter['heading_deg']:.3f} deg"
-            " (dock in odom, image to image)"
-        )
-    lines += [
-        f"  perception per image   median {perception['median']:.1f} ms, p99 {perception['p99']:.1f} ms (wall time)",
-        f"  shadow controller        {shadow['cycles']} cycles, solve median {shadow['solve_ms']['median']:.1f} ms,"
-        f" p99 {shadow['solve_ms']['p99']:.1f} ms",
-        f"  would have asked for     at most {shadow['v_max']:.2f} m/s and {shadow['omega_max']:.2f} rad/s",
+        text = f"{1e3 * jitter['position_m']:.2f} mm, {jitter['heading_deg']:.3f} deg (dock in odom, image to image)"
+        rows.append(("pose jitter (1 sd)", text))
+    rows += [
+        ("perception per image", f"{timing_text(summary['perception_ms'])} (wall time)"),
+        ("shadow controller", f"{shadow['cycles']} cycles, solve {timing_text(shadow['solve_ms'])}"),
+        ("would have asked for", f"at most {shadow['v_max']:.2f} m/s and {shadow['omega_max']:.2f} rad/s"),
     ]
     if shadow["v_rms_difference"] is not None:
-        lines.append(
-            f"  against the recording    rms {shadow['v_rms_difference']:.3f} m/s,"
-            f" {shadow['omega_rms_difference']:.3f} rad/s"
-        )
-    return "\n".join(lines)
+        text = f"rms {shadow['v_rms_difference']:.3f} m/s, {shadow['omega_rms_difference']:.3f} rad/s"
+        rows.append(("against the recording", text))
+    return text_list(rows)
 
 
 def _longest_gap(stamps: Sequence[float], seen: Sequence[float]) -> float:
@@ -138,7 +137,7 @@ def _shadow(cycles: Sequence[CycleRow]) -> dict[str, Any]:
     rms = np.sqrt(np.mean(compared**2, axis=0)) if len(compared) else None
     return {
         "cycles": len(cycles),
-        "solve_ms": spread(np.array([c.solve_ms for c in cycles], dtype=float)),
+        "solve_ms": timing(np.array([c.solve_ms for c in cycles], dtype=float)),
         "v_max": float(np.max(np.abs(asked[:, 0]), initial=0.0)),
         "omega_max": float(np.max(np.abs(asked[:, 1]), initial=0.0)),
         "v_rms_difference": None if rms is None else float(rms[0]),

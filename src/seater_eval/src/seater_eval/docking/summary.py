@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from seater_common.geometry import Chair, Dock, clearance
 from seater_common.se2 import compose, inverse
 from seater_eval.docking.recording import Recording, pose_at
+from seater_eval.report.tables import text_list, text_table
 
 SUCCESS_CODES = (0, 1)  # DockResult.SUCCESS, DockResult.ALREADY_DOCKED
 
@@ -43,7 +44,7 @@ def summarize(recording: Recording, dock: Dock, chair: Chair) -> dict[str, Any]:
             "heading_deg": math.degrees(dock.tolerance.heading),
         },
         "duration_s": _duration(recording),
-        "solve_ms": {**spread(1e3 * recording.control[:, 1]), "cycles": len(recording.control)},
+        "solve_ms": {**timing(1e3 * recording.control[:, 1]), "cycles": len(recording.control)},
         "perception": _perception(recording),
         "min_clearance_m": min(clearance(chair, dock.bay, pose) for pose in recording.truth[:, 1:4]),
         "max_speed": {
@@ -68,39 +69,44 @@ def error_of(pose: ArrayLike) -> dict[str, float]:
 
 def table(summary: dict[str, Any]) -> str:
     """The summary for a person, about a screen."""
-    true, estimate = summary["true_error"], summary["estimate_error"]
-    solve, perception = summary["solve_ms"], summary["perception"]
-    tolerance = summary["tolerance"]
-
-    def row(name: str, error: dict[str, float] | None) -> str:
-        if error is None:
-            return f"  {name:<26}the dock was never estimated"
-        return (
-            f"  {name:<26}{1e3 * error['longitudinal_m']:+9.2f} mm {1e3 * error['lateral_m']:+9.2f} mm"
-            f" {1e3 * error['position_m']:9.2f} mm {error['heading_deg']:+9.3f} deg"
-        )
-
-    start = summary["start_pose"]
-    word = "DOCKED" if summary["docked"] else "NOT DOCKED"
-    lines = [
-        f"{word}   result {summary['result_code']}: {summary['result_text']}",
-        "",
-        f"  {'':<26}{'longitudinal':>12} {'lateral':>12} {'distance':>12} {'heading':>13}",
-        row("true final error", true),
-        row("error of the estimate", estimate),
-        f"  {'tolerance':<26}{'':>25} {1e3 * tolerance['position_m']:9.2f} mm {tolerance['heading_deg']:9.3f} deg",
-        "",
-        f"  start                     ({start['x_m']:.2f} m, {start['y_m']:.2f} m, {start['heading_deg']:.1f} deg)",
-        f"  docking time              {summary['duration_s']:.1f} s (simulated), retries {summary['num_retries']}",
-        f"  smallest clearance        {1e3 * summary['min_clearance_m']:.0f} mm",
-        f"  solve time                median {solve['median']:.1f} ms, p99 {solve['p99']:.1f} ms,"
-        f" max {solve['max']:.1f} ms ({solve['cycles']} cycles)",
-        f"  images                  {perception['frames']} at {perception['rate_hz']:.1f} Hz (simulated),"
-        f" dock seen in {perception['detected']}",
-        f"  perception per image    median {perception['latency_ms']['median']:.1f} ms,"
-        f" p99 {perception['latency_ms']['p99']:.1f} ms (wall time, receive to publish)",
+    start, solve, perception = summary["start_pose"], summary["solve_ms"], summary["perception"]
+    latency, tolerance = perception["latency_ms"], summary["tolerance"]
+    errors = [
+        ["true final error", *_error_cells(summary["true_error"])],
+        ["error of the estimate", *_error_cells(summary["estimate_error"])],
+        ["tolerance", "", "", f"{1e3 * tolerance['position_m']:.2f} mm", f"{tolerance['heading_deg']:.3f} deg"],
     ]
-    return "\n".join(lines)
+    facts = [
+        ("start", f"({start['x_m']:.2f} m, {start['y_m']:.2f} m, {start['heading_deg']:.1f} deg)"),
+        ("docking time", f"{summary['duration_s']:.1f} s (simulated), retries {summary['num_retries']}"),
+        ("smallest clearance", f"{1e3 * summary['min_clearance_m']:.0f} mm"),
+        ("solve time", f"{timing_text(solve)}, max {solve['max']:.1f} ms ({solve['cycles']} cycles)"),
+        (
+            "images",
+            f"{perception['frames']} at {perception['rate_hz']:.1f} Hz (simulated), dock seen in {perception['detected']}",
+        ),
+        ("perception per image", f"{timing_text(latency)} (wall time, receive to publish)"),
+    ]
+    word = "DOCKED" if summary["docked"] else "NOT DOCKED"
+    title = f"{word}   result {summary['result_code']}: {summary['result_text']}"
+    head = ["", "longitudinal", "lateral", "distance", "heading"]
+    return "\n\n".join([title, text_table(head, errors), text_list(facts)])
+
+
+def _error_cells(error: dict[str, float] | None) -> list[str]:
+    if error is None:
+        return ["the dock was never estimated", "", "", ""]
+    return [
+        f"{1e3 * error['longitudinal_m']:+.2f} mm",
+        f"{1e3 * error['lateral_m']:+.2f} mm",
+        f"{1e3 * error['position_m']:.2f} mm",
+        f"{error['heading_deg']:+.3f} deg",
+    ]
+
+
+def timing_text(values: dict[str, float]) -> str:
+    """What `timing` gave, in words."""
+    return f"median {values['median']:.1f} ms, p99 {values['p99']:.1f} ms"
 
 
 def _pose(pose: ArrayLike) -> dict[str, float]:
@@ -131,11 +137,11 @@ def _perception(recording: Recording) -> dict[str, Any]:
         "frames": len(images),
         "detected": int(np.sum(images[:, 2])),
         "rate_hz": (len(images) - 1) / span if span > 0.0 else 0.0,
-        "latency_ms": spread(1e3 * images[:, 3]),
+        "latency_ms": timing(1e3 * images[:, 3]),
     }
 
 
-def spread(values: ArrayLike) -> dict[str, float]:
+def timing(values: ArrayLike) -> dict[str, float]:
     """Median, 99th percentile and maximum; zeros when there is nothing to measure."""
     values = np.asarray(values, dtype=float)
     if values.size == 0:

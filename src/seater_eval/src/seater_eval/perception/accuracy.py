@@ -13,8 +13,9 @@ from seater_eval.perception.accuracy_cells import BranchJob, CellJob, count_wron
 from seater_eval.perception.degraded_camera import load_degraded_camera
 from seater_eval.perception.peers import LABELS
 from seater_eval.perception.published import published_images
-from seater_eval.report.bars import Bar, text_table
+from seater_eval.report.bars import Bar
 from seater_eval.report.evaluation_style import figure, save
+from seater_eval.report.tables import text_table
 from seater_eval.run.long_run import run_long
 
 METHODS = ("seater", "opencv_none", "opencv_default", "opencv_scaled", "opencv_apriltag", "pupil_apriltags")
@@ -62,7 +63,8 @@ def run_accuracy(config: str | Path, quick: bool, partial: Path | None = None) -
     jobs = [CellJob(config, *cell, images, slow, methods, i) for i, cell in enumerate(wanted)]
     jobs.sort(key=lambda job: job.distance / job.size)  # the longest first, so that no core waits at the end
     blocks = [BranchJob(config, first, min(first + 20, frames)) for first in range(0, frames, 20)]
-    results = run_long(run_part, [*jobs, *blocks], label="perception_accuracy", config=config, partial=partial)
+    files = subject.result_files(config)
+    results = run_long(run_part, [*jobs, *blocks], label="perception_accuracy", files=files, partial=partial)
     cells, counts = results[: len(jobs)], results[len(jobs) :]
     cells.sort(key=lambda cell: (cell["size"], cell["distance"], cell["angle_deg"]))
     return {

@@ -22,7 +22,7 @@ from seater_eval.perception.scenes import (
     pose_error,
     upright,
 )
-from seater_eval.report.bars import spread
+from seater_eval.report.statistics import spread
 from seater_eval.run.parallel import job_seed
 
 

@@ -18,8 +18,9 @@ from seater_eval.perception.negatives import KINDS, OTHER_IDS, negative
 from seater_eval.perception.peers import LABELS, Detector, dictionary_of, make_peer
 from seater_eval.perception.render import Image, Print, clean_image, exposed
 from seater_eval.perception.scenes import facing
-from seater_eval.report.bars import Bar, text_table
+from seater_eval.report.bars import Bar
 from seater_eval.report.evaluation_style import figure, save
+from seater_eval.report.tables import text_table
 from seater_eval.run.long_run import run_long
 from seater_eval.run.parallel import job_seed
 
@@ -206,7 +207,8 @@ def run_range(
     blocks = [NegativeJob(config, first, min(first + 20, total)) for first in range(0, total, 20)]
     others = max(1, total // 10)
     blocks += [NegativeJob(config, first, min(first + 20, others), True) for first in range(0, others, 20)]
-    results = run_long(run_part, [*jobs, *blocks], label="perception_range", config=config, partial=partial)
+    files = subject.result_files(config)
+    results = run_long(run_part, [*jobs, *blocks], label="perception_range", files=files, partial=partial)
     limits, counts = results[: len(jobs)], results[len(jobs) :]
     return {
         "quick": quick,

@@ -16,8 +16,10 @@ from seater_eval.perception.degraded_camera import DegradedCamera, load_degraded
 from seater_eval.perception.peers import make_peer
 from seater_eval.perception.render import Image, Print, clean_image, corners_of, exposed
 from seater_eval.perception.scenes import normalised_error_squared, pose_error, upright
-from seater_eval.report.bars import Bar, spread, text_table
+from seater_eval.report.bars import Bar
 from seater_eval.report.evaluation_style import figure, save
+from seater_eval.report.statistics import spread
+from seater_eval.report.tables import text_table
 from seater_eval.run.parallel import job_seed, run_jobs
 
 SIZE, ANGLE = 0.10, math.radians(15.0)  # [m], [rad]

@@ -17,9 +17,11 @@ from seater_eval.perception.degraded_camera import DegradedCamera, load_degraded
 from seater_eval.perception.peers import LABELS, Detector, dictionary_of, make_peer
 from seater_eval.perception.render import Print, clean_image, exposed
 from seater_eval.perception.scenes import facing
-from seater_eval.report.bars import Bar, spread, text_table
+from seater_eval.report.bars import Bar
 from seater_eval.report.evaluation_style import figure, save
-from seater_eval.run.parallel import StepProgress
+from seater_eval.report.statistics import spread
+from seater_eval.report.tables import text_table
+from seater_eval.run.progress import progress_bar
 
 Image = NDArray[np.uint8]
 RESOLUTIONS = ((640, 480), (1280, 720), (1920, 1080))
@@ -152,13 +154,12 @@ def run_speed(config: str | Path, quick: bool) -> dict[str, Any]:
     if quick:
         names = [name for name in names if name != SLOWEST]
     resolutions, counts, repeats = ((BAR_RESOLUTION,), QUICK_MARKERS, 12) if quick else (RESOLUTIONS, MARKERS, 40)
-    progress = StepProgress("perception_speed", len(resolutions) * len(counts))
     rows = []
-    for width, height in resolutions:
-        for markers in counts:
-            rows += time_case(config, camera.resized(width, height), markers, names, repeats)
-            progress.done()
-    progress.end()
+    with progress_bar("perception_speed", len(resolutions) * len(counts)) as progress:
+        for width, height in resolutions:
+            for markers in counts:
+                rows += time_case(config, camera.resized(width, height), markers, names, repeats)
+                progress.update()
     return {
         "quick": quick,
         "conditions": {

@@ -65,6 +65,11 @@ def make_detector(
         raise ParameterError(str(error)) from error
 
 
+def result_files(config: str | Path) -> list[Path]:
+    """What the results of a perception command depend on beside Python code: see run_long."""
+    return [*Path(config).rglob("*.yaml"), *library_files()]
+
+
 def library_files() -> list[Path]:
     """The files of the library and its Python module as they are loaded in this process."""
     maps = Path("/proc/self/maps").read_text().splitlines()

@@ -1,1 +1,1 @@
-"""Bars and images that all reports share."""
+"""What all reports share: bars, tables, statistics, the style of figures."""

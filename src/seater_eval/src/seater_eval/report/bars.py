@@ -1,4 +1,4 @@
-"""What must be shown, as numbers: bars, their table, results/<command>.json and the exit code that follows from them."""
+"""Bars (limits with what was measured), their table, results/<command>.json and the exit code that follows from them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from seater_eval.report.tables import text_table
 
 AT_MOST, AT_LEAST = "at most", "at least"
 
@@ -53,27 +55,12 @@ def all_met(bars: Sequence[Bar]) -> bool:
 
 def bars_table(bars: Sequence[Bar]) -> str:
     """The bars for a person, one a line."""
-    width = max([4, *(len(bar.name) for bar in bars)])
-    lines = [f"  {'Bar':<{width}} {'measured':>14} {'limit':>22}   met"]
+    rows = []
     for bar in bars:
         measured = "not measured" if bar.value is None else f"{bar.value:.4g} {bar.unit}".rstrip()
         limit = f"{bar.sense} {bar.limit:.4g} {bar.unit}".rstrip()
-        note = f"   ({bar.note})" if bar.note else ""
-        lines.append(f"  {bar.name:<{width}} {measured:>14} {limit:>22}   {'yes' if bar.met else 'NO'}{note}")
-    return "\n".join(lines)
-
-
-def text_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Columns as wide as they need; the first one to the left, the others to the right."""
-    widths = [max(len(str(row[i])) for row in [head, *rows]) for i in range(len(head))]
-
-    def line(cells: Sequence[str]) -> str:
-        first, *others = (str(cell) for cell in cells)
-        return "  " + "  ".join(
-            [first.ljust(widths[0]), *(c.rjust(w) for c, w in zip(others, widths[1:], strict=True))]
-        )
-
-    return "\n".join([line(head), line(["-" * w for w in widths]), *(line(row) for row in rows)])
+        rows.append([bar.name, measured, limit, "yes" if bar.met else "NO", bar.note])
+    return text_table(["bar", "measured", "limit", "met", "note"], rows, "lrrll")
 
 
 def write_results(folder: str | Path, command: str, data: Mapping[str, Any], bars: Sequence[Bar]) -> Path:
@@ -95,23 +82,6 @@ def conclude(
     files = "\n".join(f"  {file}" for file in [path, *images])
     print(f"\n{bars_table(bars)}\n\n{files}\n")
     return 0 if all_met(bars) else 1
-
-
-def spread(values: Any) -> dict[str, float | None]:
-    """Median, 95th and 99th percentile and maximum of some numbers; None each when there are none."""
-    numbers = sorted(float(value) for value in values if value is not None and math.isfinite(value))
-    if not numbers:
-        return {"median": None, "p95": None, "p99": None, "max": None}
-    shares = {"median": 0.5, "p95": 0.95, "p99": 0.99, "max": 1.0}
-    return {name: _quantile(numbers, share) for name, share in shares.items()}
-
-
-def _quantile(numbers: list[float], share: float) -> float:
-    """Linear interpolation between the order statistics."""
-    place = share * (len(numbers) - 1)
-    low = math.floor(place)
-    high = min(low + 1, len(numbers) - 1)
-    return numbers[low] + (place - low) * (numbers[high] - numbers[low])
 
 
 def _plain(value: Any) -> Any:

@@ -1,56 +1,61 @@
-"""Jobs that take minutes: what is done is kept on disk; an interrupted run says how far it came, and the next one goes on."""
+"""Jobs that take minutes: finished results are kept on disk, so that an interrupted run can be continued."""
 
 from __future__ import annotations
 
 import signal
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from seater_eval.perception import subject
 from seater_eval.run.parallel import run_jobs
 from seater_eval.run.partial import PartialResults, fingerprint
 
 INTERRUPTED = 130  # exit code, as shells have it
 
 
-class _Counted(PartialResults):
-    """Knows how many it holds."""
-
-    def __init__(self, path: Path, key: str) -> None:
-        super().__init__(path, key)
-        self.count = len(self.done)
-
-    def add(self, index: int, result: Any) -> None:
-        super().add(index, result)
-        self.count += 1
-
-
 def run_long(
-    function: Callable[[Any], Any], jobs: Sequence[Any], *, label: str, config: str | Path, partial: Path | None
+    function: Callable[[Any], Any],
+    jobs: Sequence[Any],
+    *,
+    label: str,
+    files: Iterable[Path],
+    partial: Path | None,
+    inputs: Any = None,
+    workers: int | None = None,
 ) -> list[Any]:
-    """As run_jobs. `partial`: file that keeps results until all are there; None: nowhere. They count for the same jobs with the
-    same code, library and configuration only. Ctrl-C and SIGTERM end the program with exit code 130 and a line that tells how
-    far it came."""
+    """run_jobs, with results that survive an interruption.
+
+    Args:
+        files: what the results depend on beside the packages' Python code: configuration, libraries.
+        partial: file that keeps results until all are there; None: nothing is kept.
+        inputs: kept results count for the same `inputs` only; None: for the same jobs.
+
+    Ctrl-C and SIGTERM end the program with exit code 130 and a line that says how far it came.
+    """
     if partial is None:
-        return run_jobs(function, jobs, label=label)
-    keep = _Counted(partial, fingerprint(jobs, [*Path(config).rglob("*.yaml"), *subject.library_files()]))
-    with _told(lambda: f"{keep.count} of {len(jobs)} parts are kept in {partial}; the same command goes on from there"):
-        return run_jobs(function, jobs, label=label, keep=keep)
+        return run_jobs(function, jobs, label=label, workers=workers)
+    keep = PartialResults(partial, fingerprint(jobs if inputs is None else inputs, files))
+
+    def progress() -> str:
+        done = sum(index < len(jobs) for index in keep.done)
+        return f"{done} of {len(jobs)} parts are kept in {partial}; the same command continues from there"
+
+    with _exit_when_interrupted(progress):
+        return run_jobs(function, jobs, label=label, workers=workers, keep=keep)
 
 
 @contextmanager
-def _told(how_far: Callable[[], str]) -> Iterator[None]:
-    def end(number: int, frame: FrameType | None) -> None:
+def _exit_when_interrupted(progress: Callable[[], str]) -> Iterator[None]:
+    def interrupt(number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGTERM, end)
+    before = signal.signal(signal.SIGTERM, interrupt)
     try:
         yield
     except KeyboardInterrupt:
-        print(f"\ninterrupted: {how_far()}")
+        print(f"\ninterrupted: {progress()}")
         raise SystemExit(INTERRUPTED) from None
     finally:
         signal.signal(signal.SIGTERM, before)

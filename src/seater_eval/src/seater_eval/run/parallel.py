@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-import time
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, TypeVar
+from typing import Any, TextIO, TypeVar
 
 import numpy as np
 
 from seater_eval.run.partial import PartialResults
-from seater_eval.run.progress import ProgressLine
+from seater_eval.run.progress import progress_bar
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -31,7 +30,7 @@ def run_jobs(
     *,
     workers: int | None = None,
     label: str = "",
-    progress: ProgressLine | None = None,
+    stream: TextIO | None = None,
     keep: PartialResults | None = None,
 ) -> list[Result]:
     """function(job) for every job, in the order of the jobs.
@@ -39,21 +38,21 @@ def run_jobs(
     Args:
         function: of a module (it is sent to other processes by name). It must take all randomness from its job.
         workers: processes; None: one per core. 1: everything in this process.
-        label: what the progress line says it counts.
+        label: what the progress bar counts.
+        stream: of the progress bar; None: standard error.
         keep: results of an earlier run that was interrupted are taken from it, new ones go into it as they come.
 
     Raises whatever `function` raises, in the caller.
     """
-    line = progress or ProgressLine()
     results: dict[int, Any] = {} if keep is None else {i: r for i, r in keep.done.items() if i < len(jobs)}
-    tracker = _Tracker(line, label, len(jobs), len(results))
     left = [(index, job) for index, job in enumerate(jobs) if index not in results]
-    for index, result in _run(function, left, min(workers or cores(), max(1, len(left)))):
-        results[index] = result
-        if keep is not None:
-            keep.add(index, result)
-        tracker.done()
-    line.end()
+    workers = min(workers or cores(), max(1, len(left)))
+    with progress_bar(label, len(jobs), done=len(results), stream=stream) as progress:
+        for index, result in _run(function, left, workers):
+            results[index] = result
+            if keep is not None:
+                keep.add(index, result)
+            progress.update()
     if keep is not None:
         keep.close(finished=True)
     return [results[index] for index in range(len(jobs))]
@@ -81,47 +80,3 @@ def cores() -> int:
 def _call(task: tuple[Callable[[Any], Any], int, Any]) -> tuple[int, Any]:
     function, index, job = task
     return index, function(job)
-
-
-class _Tracker:
-    """Counts what is done and shows rate and remaining time."""
-
-    def __init__(self, line: ProgressLine, label: str, total: int, before: int = 0) -> None:
-        """`before`: how many are done already, by an earlier run."""
-        self._line, self._label, self._total = line, label, total
-        self._done, self._before, self._start = before, before, time.monotonic()
-
-    def done(self) -> None:
-        self._done += 1
-        self._line.show(self.text(time.monotonic() - self._start), always=self._done == self._total)
-
-    def text(self, elapsed: float) -> str:
-        """The line after `elapsed` seconds."""
-        rate = (self._done - self._before) / max(elapsed, 1e-9)
-        left = (self._total - self._done) / rate
-        filled = round(20 * self._done / self._total)
-        bar = "#" * filled + "." * (20 - filled)
-        return f"{self._label} [{bar}] {self._done}/{self._total}  {rate:.2f}/s  {format_time(left)} left"
-
-
-class StepProgress:
-    """The same line for work that is done one after another in this process."""
-
-    def __init__(self, label: str, total: int, progress: ProgressLine | None = None) -> None:
-        self._line = progress or ProgressLine()
-        self._tracker = _Tracker(self._line, label, total)
-
-    def done(self) -> None:
-        """One more is finished."""
-        self._tracker.done()
-
-    def end(self) -> None:
-        """All are."""
-        self._line.end()
-
-
-def format_time(seconds: float) -> str:
-    """1:05, or 2:03:00 from an hour on."""
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"

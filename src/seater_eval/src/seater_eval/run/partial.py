@@ -1,4 +1,4 @@
-"""Results of long work as they come, so that an interrupted run goes on where it was. Only with the same code and inputs."""
+"""Keeps results of a long run on disk as they come, for a later run with the same code and inputs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, BinaryIO
 
-# Whatever can change a result; what cannot is hashed with it for nothing more than a run made anew.
+# Hashed as a whole: a change that does not matter only costs a new run.
 _PACKAGES = ("seater_common", "seater_nmpc", "seater_sim", "seater_eval")
 
 
@@ -31,9 +31,9 @@ def _sources() -> list[Path]:
 
 
 class PartialResults:
-    """`<path>`: the fingerprint, then (index, result) one after another, pickled. A file of another fingerprint is replaced.
+    """The file `path`: a fingerprint, then (index, result) one after another, pickled; `done` holds them by index.
 
-    It is read by the program that wrote it and by nobody else: pickles of strangers must not be opened.
+    A file with another fingerprint is replaced. Only the program that wrote it may read it: a pickle can run any code.
     """
 
     def __init__(self, path: Path, key: str) -> None:
@@ -43,14 +43,14 @@ class PartialResults:
         end = self._read(key)
         self._file: BinaryIO = path.open("r+b" if end else "wb")
         if end:
-            self._file.truncate(end)  # a last entry that was cut off in the middle goes
+            self._file.truncate(end)  # drops a last entry that was cut off in the middle
             self._file.seek(end)
         else:
             pickle.dump(key, self._file)
             self._file.flush()
 
     def _read(self, key: str) -> int:
-        """Fills `done`; returns where the last whole entry ends, 0 when the file is missing or another's."""
+        """Fills `done`; returns where the last complete entry ends, 0 when the file is missing or has another key."""
         if not self._path.exists():
             return 0
         with self._path.open("rb") as file:
@@ -66,12 +66,13 @@ class PartialResults:
                 return end
 
     def add(self, index: int, result: Any) -> None:
-        """Keep one more."""
+        """Keep one more result."""
+        self.done[index] = result
         pickle.dump((index, result), self._file)
         self._file.flush()
 
     def close(self, *, finished: bool) -> None:
-        """`finished`: all is done, the file goes."""
+        """`finished`: no later run needs the file, which is removed."""
         self._file.close()
         if finished:
             self._path.unlink(missing_ok=True)

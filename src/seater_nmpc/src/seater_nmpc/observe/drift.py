@@ -1,6 +1,6 @@
 """How the drift of wheel odometry moves a standing dock in odom, with what is known about it.
 
-The odometry measures way and turn as s' = (1 + e_s) s + n_s, t' = (1 + e_t) t + e_d s + n_t (seater_sim.odometry has the same
+The odometry measures way and turn as s' = (1 + e_s) s + n_s, t' = (1 + e_t) t + e_d s + n_t (seater_sim's odometry has the same
 model): constant errors e = (e_s, e_t, e_d) that are estimated, and white noise of variances distance_noise^2 |s| and
 heading_noise^2 |s| + turn_noise^2 |t|. The true chair lags by e_s ds' along its direction and by e_t dt' + e_d ds' in its turn,
 so to first order the dock, seen from the chair where it is, moves in odom by the first and swings round it by the second:

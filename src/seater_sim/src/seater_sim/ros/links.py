@@ -15,13 +15,13 @@ from std_msgs.msg import Bool, UInt32
 from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
 
 from seater_msgs.msg import InputDone, MarkerDetectionArray, ObstacleArray
-from seater_sim.camera import Camera
-from seater_sim.lockstep import Answers
-from seater_sim.odometry import OdometrySample
+from seater_sim.camera.camera import Camera
+from seater_sim.chair.odometry import OdometrySample
+from seater_sim.loop.lockstep import Answers
+from seater_sim.loop.simulator import SimulatedImage, Simulator, Truth
 from seater_sim.ros import messages
 from seater_sim.ros.options import Options
 from seater_sim.ros.peers import publishers_of, sends_to, subscribers_of
-from seater_sim.simulator import SimulatedImage, Simulator, Truth
 
 
 class Receiver(Protocol):

@@ -11,11 +11,11 @@ import cv2
 import rospy
 
 from seater_common.params import ParameterError
-from seater_sim.odometry import OdometrySample
+from seater_sim.chair.odometry import OdometrySample
+from seater_sim.loop.simulator import Due, SimulatedImage, Simulator
 from seater_sim.ros.links import Links
 from seater_sim.ros.options import Options, load_options
 from seater_sim.settings import NANOSECONDS
-from seater_sim.simulator import Due, SimulatedImage, Simulator
 
 PAUSED_PERIOD = 0.1  # [s] wall time between two clock messages while the time stands
 

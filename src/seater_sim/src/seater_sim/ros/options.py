@@ -9,9 +9,9 @@ import rospy
 
 from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError, load, param
-from seater_sim.camera_model import CameraModel
-from seater_sim.events import Event, load_events
+from seater_sim.camera.camera_model import CameraModel
 from seater_sim.settings import Obstacle, PlanarPose, SimulatorSettings
+from seater_sim.world.events import Event, load_events
 
 PARTICIPANTS = ("detections", "input_done", "cmd_vel_stamped")
 

@@ -20,13 +20,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import Chair, Dock
-from seater_sim.camera import Camera
-from seater_sim.camera_model import CameraModel
-from seater_sim.contact import ChargingContact, CollisionMonitor, Walls
-from seater_sim.events import NAN, NAN_CAMERA_INFO, OFF, Event, Schedule, WorldState
-from seater_sim.odometry import Odometry, OdometrySample
-from seater_sim.plant import Plant
+from seater_sim.camera.camera import Camera
+from seater_sim.camera.camera_model import CameraModel
+from seater_sim.chair.odometry import Odometry, OdometrySample
+from seater_sim.chair.plant import Plant
 from seater_sim.settings import NANOSECONDS, SimulatorSettings, to_ns
+from seater_sim.world.contact import ChargingContact, CollisionMonitor, Walls
+from seater_sim.world.events import NAN, NAN_CAMERA_INFO, OFF, Event, Schedule, WorldState
 
 Array = NDArray[np.float64]
 

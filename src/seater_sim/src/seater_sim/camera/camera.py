@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import CameraMount, Dock, pose_matrix
 from seater_common.se2 import arc_step
-from seater_sim.camera_model import CameraModel
-from seater_sim.ink import InkRenderer, marker_cells
-from seater_sim.scene import Scene, Sheet, make_scene
-from seater_sim.sensor import Sensor
+from seater_sim.camera.camera_model import CameraModel
+from seater_sim.camera.ink import InkRenderer, marker_cells
+from seater_sim.camera.sensor import Sensor
+from seater_sim.camera.view import FaceSet, Frustum
 from seater_sim.settings import CameraSettings, Obstacle, SceneSettings
-from seater_sim.view import FaceSet, Frustum
+from seater_sim.world.scene import Scene, Sheet, make_scene
 
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8]

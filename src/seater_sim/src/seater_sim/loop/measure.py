@@ -12,12 +12,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 import yaml
+from tabulate import tabulate
 
 from seater_common.geometry import Chair, Dock
-from seater_sim.camera import Camera
-from seater_sim.camera_model import CameraModel
+from seater_sim.camera.camera import Camera
+from seater_sim.camera.camera_model import CameraModel
+from seater_sim.loop.simulator import Simulator
 from seater_sim.settings import CameraSettings, SimulatorSettings
-from seater_sim.simulator import Simulator
 
 # Where the chair is (x [m], y [m], heading [rad]) and how it moves (v [m/s], omega [rad/s]).
 CASES = [
@@ -31,7 +32,7 @@ CASES = [
 
 
 def main() -> None:
-    """Prints one line per case; one thread."""
+    """Prints a table for each encoding; one thread."""
     if len(sys.argv) not in (2, 3):
         sys.exit("usage: measure_rendering CAMERA_INFO.yaml [IMAGES per case]")
     cv2.setNumThreads(1)
@@ -39,7 +40,7 @@ def main() -> None:
     model = CameraModel.from_mapping(yaml.safe_load(Path(sys.argv[1]).read_text()))
     for encoding in ("mono8", "rgb8"):
         camera = Camera(model, Chair().camera, Dock(), CameraSettings(encoding=encoding))
-        print(f"{model.width} x {model.height} {encoding}, ms per image: median, 95 %")
+        rows = []
         for name, pose, v, omega in CASES:
             camera.render(pose, v, omega)  # fills the caches
             times = []
@@ -47,7 +48,9 @@ def main() -> None:
                 begin = time.perf_counter()
                 camera.render(pose, v, omega, index=index)
                 times.append(1e3 * (time.perf_counter() - begin))
-            print(f"  {name:20} {np.median(times):6.1f} {np.percentile(times, 95):6.1f}")
+            rows.append([name, *np.quantile(times, [0.5, 0.95])])
+        print(f"{model.width} x {model.height} {encoding}, ms per image")
+        print(tabulate(rows, ["", "median", "95 %"], floatfmt=".1f"))
     print(f"step of 10 ms without images: {_step_us():.0f} us on average over 20 s of driving")
 
 

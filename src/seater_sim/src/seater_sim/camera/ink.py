@@ -15,9 +15,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_sim.camera_model import CameraModel
-from seater_sim.scene import Sheet
-from seater_sim.view import Frustum, bounding_box
+from seater_sim.camera.camera_model import CameraModel
+from seater_sim.camera.view import Frustum, bounding_box
+from seater_sim.world.scene import Sheet
 
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8]

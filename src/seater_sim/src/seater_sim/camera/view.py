@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_sim.camera_model import CameraModel
-from seater_sim.scene import Face
+from seater_sim.camera.camera_model import CameraModel
+from seater_sim.world.scene import Face
 
 Array = NDArray[np.float64]
 

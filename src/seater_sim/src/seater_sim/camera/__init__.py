@@ -1,0 +1,1 @@
+"""From the scene to an image: camera model, projection, prints, sensor."""

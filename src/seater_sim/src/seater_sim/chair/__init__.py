@@ -1,0 +1,1 @@
+"""The moving chair: motors and their controller, wheel odometry."""

@@ -1,0 +1,1 @@
+"""What surrounds the chair: the visible scene, walls and charging contact, events that change them."""
