@@ -29,7 +29,7 @@ from seater_sim.settings import NANOSECONDS
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 RUNS = 200
-SEEDS = range(1000, 1000 + RUNS)  # means over other seeds: docs/controller.md
+SEEDS = range(1000, 1000 + RUNS)  # means over other seeds: docs/results/controller.md
 STEP = 0.04  # [s] between two odometry messages
 STAND = 0.8  # [s] before and after driving
 SPEED = 0.45  # [m/s] mean

@@ -2,6 +2,7 @@
 // threads run. Poses are 4x4 matrices, images (height, width) arrays of uint8 or uint16, points (n, 2) or (n, 3).
 
 #include "conversions.h"
+#include "describe.h"
 #include "seater_perception/dock_detector.h"
 #include "seater_perception/dock_tracker.h"
 #include "seater_perception/errors.h"
@@ -61,6 +62,9 @@ void bindConfiguration(py::module_& m) {
   m.def(
       "default_parameters", [] { return asDict(sp::PerceptionParameters()); }, "As in config/perception.yaml.");
   m.def("default_photometric_parameters", [] { return asDict(sp::PhotometricParameters()); });
+  m.def(
+      "describe_parameters", [] { return seater_python::described(sp::PerceptionParameters()); },
+      "A dict for each key of config/perception.yaml: key, default, unit, low, high, choices, text.");
 }
 
 void bindResults(py::module_& m) {
@@ -154,7 +158,7 @@ void bindPhotometric(py::module_& m) {
 }  // namespace
 
 PYBIND11_MODULE(seater_perception, m) {
-  m.doc() = "Markers in camera images and the pose of the dock (docs/perception.md).";
+  m.doc() = "Markers in camera images and the pose of the dock (docs/explanation/perception.md).";
   py::register_exception<sp::ConfigurationError>(m, "ConfigurationError", PyExc_ValueError);
   py::register_exception<sp::CalibrationError>(m, "CalibrationError", PyExc_ValueError);
   py::register_exception<sp::ImageError>(m, "ImageError", PyExc_ValueError);

@@ -94,8 +94,8 @@ TEST(PixelConvention, countedPixels) {
     EXPECT_LT((corners->corners[i] - expected[i]).norm(), 0.1) << corners->corners[i].transpose();
 }
 
-// Bounds: about twice what was measured (docs/perception.md), so that another seed passes and a broken refinement does
-// not.
+// Bounds: about twice what was measured (docs/results/perception.md), so that another seed passes and a broken
+// refinement does not.
 TEST(Accuracy, cornersAndRangeByDistance) {
   const struct {
     double distance, corner_rms, range_mm;
@@ -247,7 +247,7 @@ TEST(Dock, coveredEdgeIsToldByTheCovariance) {
   const auto fitted = photometric.detect(image);
   ASSERT_EQ(fitted.markers.size(), 1u);
   const Eigen::Vector3d error = fitted.markers[0].best().pose.translation() - print.T_optical_marker.translation();
-  EXPECT_LT(error.norm(), 0.0005);  // measured: see docs/perception.md
+  EXPECT_LT(error.norm(), 0.0005);  // measured: see docs/results/perception.md
 }
 
 TEST(Annotation, showsMarkersWithoutTouchingTheInput) {

@@ -22,7 +22,7 @@
 namespace seater_perception {
 
 /// Images to detections: only converts messages and parameters; DockTracker does the work. Topics:
-/// docs/perception.md.
+/// docs/reference/interfaces.md.
 ///
 /// Threads: everything runs in the nodelet's single-threaded queue, but for TF, whose buffer has its own lock; the
 /// mutex is there because a subscriber may connect while onInit is still advertising.

@@ -1,4 +1,4 @@
-"""The docking problem of seater_nmpc (docs/controller.md) put together with do-mpc, as its users would.
+"""The docking problem of seater_nmpc (docs/explanation/controller.md) put together with do-mpc, as its users would.
 
 Same augmented state, arc step, stage cost, exact terminal penalty and limits; the bay's walls as soft constraints with one
 separating angle each, the bay's speed limit with a braking curve. do-mpc knows no variables without dynamics, so the

@@ -1,7 +1,7 @@
-"""The optimal control problems of docking by multiple shooting, in the target's frame (formulas: docs/controller.md).
+"""The optimal control problems of docking by multiple shooting, in the target's frame.
 
 The target is the origin, so the heading is wrapped once, by the caller, and nothing wraps or kinks inside (but F2 of the
-paper's formulation, which is taken as it is).
+paper's formulation, which is taken as it is). Formulas: docs/explanation/controller.md.
 """
 
 from __future__ import annotations

@@ -40,7 +40,7 @@ TIME_JUMP = 1.0  # [s] odometry this much older than the last one means that tim
 
 class DockingNode:
     """Private parameters: ~chair, ~dock, ~controller (the files in config/), ~lock_step, ~shadow, ~require_contact,
-    ~dock_frame (name of the dock's frame in TF). Topics: docs/architecture.md."""
+    ~dock_frame (name of the dock's frame in TF). Topics: docs/reference/interfaces.md."""
 
     def __init__(self) -> None:
         chair = load(Chair, rospy.get_param("~chair", None), rospy.resolve_name("~chair"))

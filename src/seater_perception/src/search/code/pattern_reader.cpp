@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kCandidates = 6;  // codes that are fitted
 constexpr double kClearlyBetter = 0.2;  // of correlation: a code so much less likely than the best is not
 constexpr double kWorthFitting = 0.5;   // correlation before the fit
-// What true markers and images without markers reach: docs/perception.md.
+// What true markers and images without markers reach: docs/results/perception.md.
 constexpr double kSmallestMargin = 0.045;  // of correlation, over the next best code
 constexpr double kLargestBitError = 0.9;   // of what turns a bit round
 constexpr double kCostOfCovered = 0.25;    // of evidence, for each sample left out: what is chosen proves less

@@ -1,4 +1,4 @@
-"""The simulator's node: docs/architecture.md says what it publishes, obeys and waits for."""
+"""The simulator's node: docs/reference/interfaces.md says what it publishes, obeys and waits for."""
 
 from __future__ import annotations
 

@@ -1,0 +1,50 @@
+"""The reference pages say what the code says."""
+
+import re
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+INTERFACES = (ROOT / "docs" / "reference" / "interfaces.md").read_text()
+CONSTANT = re.compile(r"^uint\d+ ([A-Z_]+)=(\d+)", re.MULTILINE)
+
+
+def section(title: str) -> str:
+    """The text of a section of interfaces.md."""
+    return INTERFACES.partition(f"\n## {title}\n")[2].partition("\n## ")[0]
+
+
+@pytest.mark.skipif(find_spec("seater_perception") is None, reason="seater_perception is not built: ./seater build")
+def test_parameters_are_those_of_the_structs() -> None:
+    words = [sys.executable, str(ROOT / "tools" / "generate_reference.py"), "--check"]
+    run = subprocess.run(words, capture_output=True, text=True)
+    assert run.returncode == 0, run.stdout + run.stderr
+
+
+def test_result_codes_are_those_of_the_action_and_each_says_what_to_do() -> None:
+    _, result, feedback = (ROOT / "src/seater_msgs/action/Dock.action").read_text().split("---")
+    codes = {(number, name) for name, number in CONSTANT.findall(result)}
+    text = section("Result codes")
+    assert set(re.findall(r"^\| (\d+) \| ([A-Z_]+) \|", text, re.MULTILINE)) == codes
+    advised = {(number, name) for name, number in re.findall(r"^- \*\*([A-Z_]+) \((\d+)\)\*\*: ", text, re.MULTILINE)}
+    assert advised == {(number, name) for number, name in codes if int(number) >= 900}
+    phases = set(re.findall(r"^\| (\d+) \| ([A-Z_]+) \|", section("Phases"), re.MULTILINE))
+    assert phases == {(number, name) for name, number in CONSTANT.findall(feedback)}
+
+
+def test_every_message_and_status_is_listed() -> None:
+    folder, text = ROOT / "src" / "seater_msgs" / "msg", section("Messages")
+    assert set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE)) == {path.stem for path in folder.glob("*.msg")}
+    statuses = {(number, name) for name, number in CONSTANT.findall((folder / "ControllerStatus.msg").read_text())}
+    assert set(re.findall(r"^\| (\d+) \| ([A-Z_]+) \|", text, re.MULTILINE)) == statuses
+
+
+def test_every_topic_of_the_docking_node_is_listed() -> None:
+    source = (ROOT / "src/seater_nmpc/src/seater_nmpc/ros/node.py").read_text()
+    published = set(re.findall(r"rospy\.Publisher\(\s*\"(\w+)\"", source))
+    assert len(published) > 3
+    assert published <= set(re.findall(r"`(\w+)`", section("Topics")))
