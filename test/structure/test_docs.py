@@ -1,6 +1,8 @@
 """Documents can be walked through: every link leads somewhere, every page is in the index, no line is too long."""
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -9,6 +11,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted(ROOT.glob("docs/**/*.md"))]
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 CODE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
+PYTHON = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
 MENTIONED = re.compile(r"\bdocs/[\w/-]+\.md\b")
 LONGEST_LINE = 120
 
@@ -62,3 +65,15 @@ def test_pages_that_the_code_mentions_exist() -> None:
         if not (ROOT / name).exists()
     }
     assert sorted(missing) == []
+
+
+@pytest.mark.parametrize("page", ["tutorials/controller_in_ten_lines.md", "how-to/simulate_without_ros.md"])
+def test_python_of_the_documents_runs(page: str) -> None:
+    program = "\n".join(PYTHON.findall((ROOT / "docs" / page).read_text()))
+    run = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+
+
+def test_the_ten_lines_of_the_readme_are_those_of_the_tutorial() -> None:
+    tutorial = PYTHON.findall((ROOT / "docs" / "tutorials" / "controller_in_ten_lines.md").read_text())
+    assert PYTHON.findall((ROOT / "README.md").read_text()) == tutorial[:1]
