@@ -102,3 +102,15 @@ def test_other_threads_run_during_a_detection() -> None:
         ticks_within += 1
     thread.join()
     assert ticks_within > 20  # with the lock held there would be about one for each detection at most
+
+
+def test_every_parameter_is_described() -> None:
+    def keys(values: dict, path: str = "") -> list[str]:
+        inner = [keys(value, f"{path}{name}/") if isinstance(value, dict) else [] for name, value in values.items()]
+        return [key for name, below in zip(values, inner, strict=True) for key in (path + name, *below)]
+
+    described = sp.describe_parameters()
+    assert [entry["key"] for entry in described] == keys(sp.default_parameters())
+    (size,) = (entry for entry in described if entry["key"] == "detector/min_side")
+    assert (size["default"], size["unit"], size["low"], size["high"]) == (11.0, "px", 5.0, 500.0)
+    assert size["text"]
