@@ -12,11 +12,12 @@ namespace py = pybind11;
 using namespace pybind11::literals;
 using seater_python::asDict;
 using seater_python::asMat;
+using seater_python::OneAtATime;
 using seater_python::yaml;
 
 namespace {
 
-Eigen::MatrixXd cornersOf(const sp::MarkerCorners& marker) {
+Eigen::MatrixXd cornersOf(const sp::DetectedMarker& marker) {
   Eigen::MatrixXd corners(4, 2);
   for (int i = 0; i < 4; ++i) corners.row(i) = marker.corners[static_cast<std::size_t>(i)].transpose();
   return corners;
@@ -73,8 +74,8 @@ void bindResults(py::module_& m) {
   py::class_<sp::DockHypothesis, sp::PoseHypothesis>(m, "DockHypothesis")
       .def_readonly("marker_ids", &sp::DockHypothesis::marker_ids);
   py::class_<sp::DetectedMarker>(m, "DetectedMarker")
-      .def_property_readonly("id", [](const sp::DetectedMarker& marker) { return marker.image.id; })
-      .def_property_readonly("corners", [](const sp::DetectedMarker& marker) { return cornersOf(marker.image); })
+      .def_property_readonly("id", [](const sp::DetectedMarker& marker) { return marker.id; })
+      .def_property_readonly("corners", [](const sp::DetectedMarker& marker) { return cornersOf(marker); })
       .def_readonly("size", &sp::DetectedMarker::size)
       .def_readonly("ambiguity", &sp::DetectedMarker::ambiguity)
       .def_readonly("hypotheses", &sp::DetectedMarker::hypotheses)
@@ -86,33 +87,37 @@ void bindResults(py::module_& m) {
 }
 
 void bindDetector(py::module_& m) {
-  py::class_<sp::DockDetector>(m, "DockDetector", "Image in, markers and dock out. One per thread.")
+  using Detector = OneAtATime<sp::DockDetector>;
+  py::class_<Detector>(
+      m, "DockDetector",
+      "Image in, markers and dock out. Threads that share one wait for each other: use one per thread.")
       .def(py::init([](const sp::CameraModel& camera, const sp::DockLayout& layout, const py::dict& parameters) {
-             return std::make_unique<sp::DockDetector>(camera, layout, parametersOf(parameters), sp::CameraMount());
+             return std::make_unique<Detector>(camera, layout, parametersOf(parameters), sp::CameraMount());
            }),
            "camera"_a, "layout"_a, "parameters"_a)
       .def(
           "detect",
-          [](const sp::DockDetector& detector, const py::array& image) {
+          [](Detector& self, const py::array& image) {
             const cv::Mat grey = asMat(image);
-            const py::gil_scoped_release release;
-            return detector.detect(grey);
+            return self.call([&](sp::DockDetector& detector) { return detector.detect(grey); });
           },
           "image"_a);
-  py::class_<sp::DockTracker>(m, "DockTracker", "The same for a sequence of images.")
+  using Tracker = OneAtATime<sp::DockTracker>;
+  py::class_<Tracker>(m, "DockTracker", "The same for a sequence of images.")
       .def(py::init([](const sp::CameraModel& camera, const sp::DockLayout& layout, const py::dict& parameters) {
-             return std::make_unique<sp::DockTracker>(camera, layout, parametersOf(parameters), sp::CameraMount());
+             return std::make_unique<Tracker>(camera, layout, parametersOf(parameters), sp::CameraMount());
            }),
            "camera"_a, "layout"_a, "parameters"_a)
       .def(
           "detect",
-          [](sp::DockTracker& tracker, const py::array& image) {
+          [](Tracker& self, const py::array& image) {
             const cv::Mat grey = asMat(image);
-            const py::gil_scoped_release release;
-            return tracker.detect(grey);
+            return self.call([&](sp::DockTracker& tracker) { return tracker.detect(grey); });
           },
           "image"_a)
-      .def("reset", &sp::DockTracker::reset);
+      .def(
+          "reset", [](Tracker& self) { self.call([](sp::DockTracker& tracker) { tracker.reset(); }); },
+          "The next image is searched as a whole.");
 }
 
 void bindPhotometric(py::module_& m) {
@@ -134,19 +139,21 @@ void bindPhotometric(py::module_& m) {
       .def_readonly("blur_sd", &sp::PhotometricResult::blur_sd)
       .def_readonly("noise_sd", &sp::PhotometricResult::noise_sd)
       .def_readonly("iterations", &sp::PhotometricResult::iterations);
-  py::class_<sp::PhotometricRefiner>(m, "PhotometricRefiner", "Fits the pose of prints to the grey levels.")
+  using Refiner = OneAtATime<sp::PhotometricRefiner>;
+  py::class_<Refiner>(m, "PhotometricRefiner", "Fits the pose of prints to the grey levels.")
       .def(py::init([](const py::dict& parameters) {
-             return sp::PhotometricRefiner(sp::loadStrict<sp::PhotometricParameters>(yaml(parameters), "photometric"));
+             return std::make_unique<Refiner>(
+                 sp::loadStrict<sp::PhotometricParameters>(yaml(parameters), "photometric"));
            }),
            "parameters"_a)
       .def(
           "refine",
-          [](const sp::PhotometricRefiner& refiner, const py::array& image, const sp::CameraModel& camera,
+          [](Refiner& self, const py::array& image, const sp::CameraModel& camera,
              const std::vector<sp::PatternPlacement>& placements, const Eigen::Matrix4d& initial) {
             const cv::Mat grey = asMat(image);
-            const Eigen::Isometry3d seed = seater_python::pose(initial);
-            const py::gil_scoped_release release;
-            return refiner.refine(grey, camera, placements, seed);
+            const Eigen::Isometry3d start = seater_python::pose(initial);
+            return self.call(
+                [&](sp::PhotometricRefiner& refiner) { return refiner.refine(grey, camera, placements, start); });
           },
           "image"_a, "camera"_a, "placements"_a, "initial"_a);
 }

@@ -25,8 +25,8 @@ double tilt(const Eigen::Isometry3d& pose) {
   return std::acos(-pose.translation().normalized().dot(pose.linear().col(2)));
 }
 
-DetectedMarker smallMarker() {
-  DetectedMarker marker;
+MarkerEstimate smallMarker() {
+  MarkerEstimate marker;
   marker.image.corners = {Eigen::Vector2d(0.0, 0.0), {22.0, 0.0}, {22.0, 22.0}, {0.0, 22.0}};
   return marker;
 }
@@ -62,7 +62,7 @@ TEST(BranchSeeds, TiltedIsSteepEnoughAndGoesTheSameWay) {
 }
 
 TEST(BranchSeeds, TheOtherBranchIsOpenUntilSomethingDecides) {
-  DetectedMarker marker = smallMarker();
+  MarkerEstimate marker = smallMarker();
   const std::vector<PoseHypothesis> one(1), two(2);
   std::vector<PhotometricBranch> branches(2);
   EXPECT_TRUE(otherBranchOpen(marker, branches, one));
@@ -78,7 +78,7 @@ TEST(BranchSeeds, TheOtherBranchIsOpenUntilSomethingDecides) {
 }
 
 TEST(BranchSeeds, SharpCornersOfALargeMarkerDecide) {
-  DetectedMarker marker = smallMarker();
+  MarkerEstimate marker = smallMarker();
   for (auto& corner : marker.image.corners) corner *= 3.0;
   marker.image.edges_fitted = true;
   marker.hypotheses.resize(2);

@@ -147,8 +147,8 @@ TEST(DockLayout, strictOnItsOwnKeysOnly) {
 }
 
 TEST(Images, badOnesAreRefusedWithAReason) {
-  const DockDetector detector(CameraModel::raw(scene::calibration()), scene::defaultDock(), PerceptionParameters(),
-                              CameraMount());
+  DockDetector detector(CameraModel::raw(scene::calibration()), scene::defaultDock(), PerceptionParameters(),
+                        CameraMount());
   const auto reason = [&](const cv::Mat& image) -> std::string {
     try {
       detector.detect(image);

@@ -94,8 +94,8 @@ TEST(ShadowEdge, onlyWhereThereIsOne) {
 }
 
 TEST(ShadowEdge, aMarkerAcrossItIsFoundWhereItIs) {
-  const DockDetector detector(CameraModel::raw(scene::calibration()), scene::defaultDock(), PerceptionParameters(),
-                              CameraMount());
+  DockDetector detector(CameraModel::raw(scene::calibration()), scene::defaultDock(), PerceptionParameters(),
+                        CameraMount());
   for (const double z : {0.5, 1.0, 1.6}) {
     for (const double factor : {0.7, 0.5, 0.35}) {
       if (z > 0.5 && factor < 0.5) continue;  // a strong one grows together with a small marker's border

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -30,6 +31,23 @@ class MarkerPattern {
 
   int cells_;
   std::vector<double> values_;  // with a ring of quiet zone round it, row by row from the bottom
+};
+
+/// One print and where it sits on the object whose pose is wanted.
+struct PatternPlacement {
+  MarkerPattern pattern;
+  double size = 0.0;  ///< side of the black square [m]
+  Eigen::Isometry3d T_object_marker = Eigen::Isometry3d::Identity();
+};
+
+/// How bright an image shows a print: grey level = (offset + gain * white - rim * outside) * (1 + slope . p), with
+/// white 0 or 1, p from -1 to 1 across the marker's box in the image, and outside the fraction of what a pixel sees
+/// beyond the quiet zone.
+struct Brightness {
+  bool used = false;                ///< false: the marker is not in the image
+  double offset = 0.0, gain = 0.0;  ///< [grey levels]
+  double slope_u = 0.0, slope_v = 0.0;
+  double rim = 0.0;  ///< how much darker than the paper it is beyond the quiet zone [grey levels]
 };
 
 }  // namespace seater_perception

@@ -6,11 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "seater_perception/brightness.h"
 #include "seater_perception/camera_model.h"
+#include "seater_perception/detection.h"
 #include "seater_perception/marker_pattern.h"
-#include "seater_perception/photometric_parameters.h"
-#include "seater_perception/pose.h"
+#include "seater_perception/parameters.h"
 
 namespace cv {
 class Mat;
@@ -18,19 +17,13 @@ class Mat;
 
 namespace seater_perception {
 
-/// One marker and where it sits on the object whose pose is wanted.
-struct PatternPlacement {
-  MarkerPattern pattern;
-  double size = 0.0;  ///< side of the black square [m]
-  Eigen::Isometry3d T_object_marker = Eigen::Isometry3d::Identity();
-};
-
+/// What a fit gives.
 struct PhotometricResult {
   /// False: nothing else here is to be relied on; pose is then the seed, covariance zero.
   bool converged = false;
   std::string failure;                                     ///< why not converged; empty otherwise
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< T_optical_object
-  /// As poseCovariance in pose.h, marginalised over brightness and blur; from the residuals' own noise.
+  /// As PoseHypothesis::covariance, marginalised over brightness and blur; from the residuals' own noise.
   Matrix6d covariance = Matrix6d::Zero();
   std::vector<Brightness> brightness;  ///< one per placement
   double blur_sd = 0.0;                ///< [px] lens blur; geometric mean of both directions
@@ -81,7 +74,7 @@ class PhotometricRefiner {
   /// `grey` is CV_8UC1 or CV_16UC1 of the camera's size, else ImageError is thrown. `initial` is T_optical_object,
   /// good to a pixel or a third of a cell, whichever is larger. Whatever is in the image, the result is finite.
   PhotometricResult refine(const cv::Mat& grey, const CameraModel& camera,
-                           const std::vector<PatternPlacement>& placements, const Eigen::Isometry3d& initial) const;
+                           const std::vector<PatternPlacement>& placements, const Eigen::Isometry3d& initial);
 
   /// Refines every seed, the most probable one first, and weighs the distinct results by their residuals alone: w ~
   /// exp(-chi^2 / 2), all on the same pixels, with the best one's noise. Results that did not converge get weight 0,
@@ -90,7 +83,7 @@ class PhotometricRefiner {
   std::vector<PhotometricBranch> refineBranches(const cv::Mat& grey, const CameraModel& camera,
                                                 const std::vector<PatternPlacement>& placements,
                                                 const std::vector<Eigen::Isometry3d>& seeds,
-                                                const PhotometricStart& start = {}) const;
+                                                const PhotometricStart& start = {});
 
   const PhotometricParameters& parameters() const { return parameters_; }
 

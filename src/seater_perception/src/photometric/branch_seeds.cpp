@@ -36,7 +36,7 @@ Eigen::Isometry3d tilted(const Eigen::Isometry3d& T_optical_marker, double angle
   return result;
 }
 
-std::vector<Eigen::Isometry3d> openSeeds(const DetectedMarker& marker) {
+std::vector<Eigen::Isometry3d> openSeeds(const MarkerEstimate& marker) {
   double smallest = marker.hypotheses.front().chi_squared;
   for (const auto& h : marker.hypotheses) smallest = std::min(smallest, h.chi_squared);
   std::vector<Eigen::Isometry3d> seeds;
@@ -47,7 +47,7 @@ std::vector<Eigen::Isometry3d> openSeeds(const DetectedMarker& marker) {
   return seeds;
 }
 
-bool otherBranchOpen(const DetectedMarker& marker, const std::vector<PhotometricBranch>& branches,
+bool otherBranchOpen(const MarkerEstimate& marker, const std::vector<PhotometricBranch>& branches,
                      const std::vector<PoseHypothesis>& hypotheses) {
   const bool small = marker.image.side() <= kSideForDecision;
   return small && !marker.branch_known && hypotheses.size() == 1 &&

@@ -16,11 +16,11 @@ Eigen::Isometry3d mirrored(const Eigen::Isometry3d& T_optical_marker);
 Eigen::Isometry3d tilted(const Eigen::Isometry3d& T_optical_marker, double angle);
 
 /// Seeds that the corners cannot tell apart.
-std::vector<Eigen::Isometry3d> openSeeds(const DetectedMarker& marker);
+std::vector<Eigen::Isometry3d> openSeeds(const MarkerEstimate& marker);
 
 /// Noise in the corners of a small marker often leaves one seed of two, and both may come to the same minimum: true
 /// when the other one has not been looked at. `branches`: of openSeeds; `hypotheses`: the distinct ones among them.
-bool otherBranchOpen(const DetectedMarker& marker, const std::vector<PhotometricBranch>& branches,
+bool otherBranchOpen(const MarkerEstimate& marker, const std::vector<PhotometricBranch>& branches,
                      const std::vector<PoseHypothesis>& hypotheses);
 
 /// The pose found and, for both branches, one so steep that its fit comes down to its own minimum: near the line of

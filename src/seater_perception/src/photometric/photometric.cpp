@@ -224,14 +224,14 @@ PhotometricRefiner::~PhotometricRefiner() = default;
 PhotometricRefiner::PhotometricRefiner(PhotometricRefiner&&) noexcept = default;
 
 PhotometricResult PhotometricRefiner::refine(const cv::Mat& grey, const CameraModel& camera,
-                                             const Placements& placements, const Eigen::Isometry3d& initial) const {
+                                             const Placements& placements, const Eigen::Isometry3d& initial) {
   return workspace_->fitAll(parameters_, grey, camera, placements, {initial}, {}).front().result;
 }
 
 std::vector<PhotometricBranch> PhotometricRefiner::refineBranches(const cv::Mat& grey, const CameraModel& camera,
                                                                   const Placements& placements,
                                                                   const std::vector<Eigen::Isometry3d>& seeds,
-                                                                  const PhotometricStart& start) const {
+                                                                  const PhotometricStart& start) {
   std::vector<PhotometricBranch> branches;
   double sd = std::numeric_limits<double>::infinity();
   for (const SeedFit& fit : workspace_->fitAll(parameters_, grey, camera, placements, seeds, start)) {

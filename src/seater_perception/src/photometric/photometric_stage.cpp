@@ -84,7 +84,7 @@ void weighByPrior(std::vector<PoseHypothesis>& hypotheses, const PosePrior& prio
 
 /// Corners as the pose has them, with their own standard deviation.
 void placeCorners(const CameraModel& camera, const PoseHypothesis& hypothesis, double smallest_sigma,
-                  DetectedMarker& marker) {
+                  MarkerEstimate& marker) {
   std::array<Eigen::Vector2d, 4> corners;
   double variance = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -102,11 +102,11 @@ void placeCorners(const CameraModel& camera, const PoseHypothesis& hypothesis, d
 
 /// Largest rms distance between the corners of a marker as it was seen and as the dock's pose has them [px]. `all`
 /// gathers the corners of the markers that are part of it.
-double gap(const CameraModel& camera, const DockLayout& layout, const std::vector<DetectedMarker>& markers,
+double gap(const CameraModel& camera, const DockLayout& layout, const std::vector<MarkerEstimate>& markers,
            const std::vector<int>& ids, const Eigen::Isometry3d& T_optical_dock, Correspondences& all) {
   double largest = 0.0;
   all = Correspondences();
-  for (const DetectedMarker& m : markers) {
+  for (const MarkerEstimate& m : markers) {
     const auto place = layout.markers.find(m.image.id);
     if (place == layout.markers.end() || !std::count(ids.begin(), ids.end(), m.image.id)) continue;
     Correspondences seen;
@@ -129,8 +129,8 @@ const MarkerPattern& PatternBook::of(int id) {
 }
 
 bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const MarkerPattern& pattern,
-                           const PhotometricRefiner& refiner, const PosePrior& prior, const PoseParameters& parameters,
-                           DetectedMarker& marker, bool followed) {
+                           PhotometricRefiner& refiner, const PosePrior& prior, const PoseParameters& parameters,
+                           MarkerEstimate& marker, bool followed) {
   const std::vector<PatternPlacement> placement{{pattern, marker.size, Eigen::Isometry3d::Identity()}};
   const double explained = marker.image.side() < kLargeSide ? kExplainedSmall : kExplainedLarge;
   const double blur = marker.image.edges_fitted || followed ? marker.image.blur_sd : 0.0;
@@ -139,7 +139,7 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
   if (followed) known = Brightness{true, marker.image.dark, marker.image.contrast, 0.0, 0.0, 0.0};
   double misfit = 0.0, fitted_blur = 0.0;
   std::vector<PhotometricBranch> branches;
-  const auto fitSeeds = [&](const PhotometricRefiner& by, const std::vector<Eigen::Isometry3d>& seeds,
+  const auto fitSeeds = [&](PhotometricRefiner& by, const std::vector<Eigen::Isometry3d>& seeds,
                             const PhotometricStart& start) {
     branches = by.refineBranches(grey, camera, placement, seeds, start);
     double best = std::numeric_limits<double>::infinity();
@@ -152,7 +152,7 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
     }
     return distinct(branches, explained);
   };
-  const auto fit = [&](const PhotometricRefiner& by, double known_blur) {
+  const auto fit = [&](PhotometricRefiner& by, double known_blur) {
     auto found = fitSeeds(by, openSeeds(marker), {known_blur, known});
     if (!otherBranchOpen(marker, branches, found)) return found;
     const double near_blur = known_blur > 0.0 ? known_blur : by.parameters().blur_sd;
@@ -166,7 +166,8 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
     // The quiet zone may be darker than the print's white (cut close and pasted on a wall): the print alone, then.
     PhotometricParameters print_only = refiner.parameters();
     print_only.quiet_zone = 0.0;
-    hypotheses = fit(PhotometricRefiner(print_only), blur);
+    PhotometricRefiner refiner_of_print(print_only);
+    hypotheses = fit(refiner_of_print, blur);
   }
   if (hypotheses.empty()) return false;
   Correspondences seen;
@@ -196,10 +197,9 @@ bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const
   return true;
 }
 
-void refineBundle(const cv::Mat& grey, const CameraModel& camera, PatternBook& patterns,
-                  const PhotometricRefiner& refiner, const DockLayout& layout, const Eigen::Vector3d& up,
-                  const PoseParameters& parameters, const std::vector<DetectedMarker>& markers,
-                  std::vector<DockHypothesis>& dock) {
+void refineBundle(const cv::Mat& grey, const CameraModel& camera, PatternBook& patterns, PhotometricRefiner& refiner,
+                  const DockLayout& layout, const Eigen::Vector3d& up, const PoseParameters& parameters,
+                  const std::vector<MarkerEstimate>& markers, std::vector<DockHypothesis>& dock) {
   if (dock.empty() || dock.front().marker_ids.size() < 2) return;
   for (const auto& h : dock) {
     if (h.marker_ids != dock.front().marker_ids) return;  // they contradict each other
@@ -212,7 +212,7 @@ void refineBundle(const cv::Mat& grey, const CameraModel& camera, PatternBook& p
   std::vector<Eigen::Isometry3d> seeds;
   for (const auto& h : dock) seeds.push_back(h.pose);
   double blur = 0.0, fitted = 0.0;
-  for (const DetectedMarker& m : markers) {
+  for (const MarkerEstimate& m : markers) {
     if (m.image.blur_sd > 0.0) blur += m.image.blur_sd, fitted += 1.0;
   }
   const auto branches = refiner.refineBranches(grey, camera, placements, seeds,

@@ -31,15 +31,14 @@ class PatternBook {
 ///
 /// False, and the marker unchanged, when no fit converged or the pattern does not explain the image.
 bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const MarkerPattern& pattern,
-                           const PhotometricRefiner& refiner, const PosePrior& prior, const PoseParameters& parameters,
-                           DetectedMarker& marker, bool followed = false);
+                           PhotometricRefiner& refiner, const PosePrior& prior, const PoseParameters& parameters,
+                           MarkerEstimate& marker, bool followed = false);
 
 /// One joint fit of the dock's pose over the markers of each hypothesis that rests on more than one. A hypothesis is
 /// left as it is when the fit does not converge, or explains the image worse than the corners' accuracy allows:
 /// prints that hang some pixels beside their places.
-void refineBundle(const cv::Mat& grey, const CameraModel& camera, PatternBook& patterns,
-                  const PhotometricRefiner& refiner, const DockLayout& layout, const Eigen::Vector3d& up,
-                  const PoseParameters& parameters, const std::vector<DetectedMarker>& markers,
-                  std::vector<DockHypothesis>& dock);
+void refineBundle(const cv::Mat& grey, const CameraModel& camera, PatternBook& patterns, PhotometricRefiner& refiner,
+                  const DockLayout& layout, const Eigen::Vector3d& up, const PoseParameters& parameters,
+                  const std::vector<MarkerEstimate>& markers, std::vector<DockHypothesis>& dock);
 
 }  // namespace seater_perception

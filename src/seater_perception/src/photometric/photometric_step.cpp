@@ -4,6 +4,7 @@
 
 #include "photometric/photometric_problem.h"
 #include "photometric/samples/photometric_limits.h"
+#include "pose/pose.h"
 
 namespace seater_perception {
 namespace {

@@ -1,4 +1,4 @@
-#include "seater_perception/pose.h"
+#include "pose/pose.h"
 
 #include <visp3/vision/vpPose.h>
 
