@@ -136,7 +136,7 @@ void bindPhotometric(py::module_& m) {
       .def_readonly("failure", &sp::PhotometricResult::failure)
       .def_property_readonly("pose", [](const sp::PhotometricResult& r) { return Eigen::Matrix4d(r.pose.matrix()); })
       .def_readonly("covariance", &sp::PhotometricResult::covariance)
-      .def_readonly("blur_sd", &sp::PhotometricResult::blur_sd)
+      .def_readonly("psf_sd", &sp::PhotometricResult::psf_sd, "of the lens' point spread function [px]")
       .def_readonly("noise_sd", &sp::PhotometricResult::noise_sd)
       .def_readonly("iterations", &sp::PhotometricResult::iterations);
   using Refiner = OneAtATime<sp::PhotometricRefiner>;

@@ -83,8 +83,8 @@ struct PoseParameters {
 
 /// How a pose is fitted to the grey levels.
 struct PhotometricParameters {
-  std::string blur = "directed";
-  double blur_sd = 0.7;
+  std::string psf_model = "directed";  ///< YAML key `blur`; see PsfModel: given, isotropic, anisotropic
+  double psf_sd = 0.7;                 ///< YAML key `blur_sd`
   bool illumination_slope = true;
   double quiet_zone = 1.0;
   double noise_sd = 0.0;
@@ -100,16 +100,18 @@ struct PhotometricParameters {
 
   template <typename Visitor>
   void visit(Visitor& v) {
-    v.choice("blur", blur, {"given", "estimated", "directed"},
-             "the camera's blur: as given; one width estimated; a width along each direction estimated (motion)");
-    v.number("blur_sd", blur_sd, "px", 0.0, 10.0, "standard deviation of lens blur, the pixel's own area not included");
+    v.choice(
+        "blur", psf_model, {"given", "estimated", "directed"},
+        "point spread function: as given; one width estimated; a width along each direction estimated (motion blur)");
+    v.number("blur_sd", psf_sd, "px", 0.0, 10.0,
+             "standard deviation of the lens' point spread function, without the pixel's own area");
     v.boolean("illumination_slope", illumination_slope, "estimate how brightness changes over the marker");
     v.number("quiet_zone", quiet_zone, "cells", 0.0, 2.0, "white margin round a marker that can be relied on");
     v.number("noise_sd", noise_sd, "grey levels", 0.0, 10000.0, "known noise, for reduced_chi_square; 0: unknown");
     v.number("saturation", saturation, "grey levels", 0.0, 65535.0, "where the sensor clips; 0: largest of the type");
     v.number("reach", reach, "standard deviations", 1.0, 4.0,
-             "of the blur; pixels farther from every edge are thinned out");
-    v.number("margin", margin, "px", 0.0, 10.0, "the same, additionally, for the seed's error");
+             "of the point spread function; pixels farther from every edge are thinned out");
+    v.number("margin", margin, "px", 0.0, 10.0, "the same, additionally, for the error of the initial pose");
     v.integer("max_pixels", max_pixels, "", 200, 1000000, "most pixels used of one marker");
     v.integer("max_iterations", max_iterations, "", 1, 1000, "most evaluations of the image");
     v.number("tukey", tukey, "standard deviations", 3.0, 20.0, "of the noise; residuals above are outliers");
@@ -168,7 +170,7 @@ struct PerceptionParameters {
     v.group("detector", detector, "how markers are found");
     v.group("pose", pose, "how poses are computed");
     v.group("photometric", photometric, "how poses are fitted to the grey levels");
-    v.group("tracking", tracking, "how markers are followed from image to image");
+    v.group("tracking", tracking, "how markers are tracked from image to image");
     v.group("diagnostics", diagnostics, "limits for warnings");
   }
 };

@@ -85,7 +85,8 @@ ImageEstimate DetectionPipeline::evaluate(const cv::Mat& image, const std::vecto
   if (photometric) refineMarkers(grey, tracked, result);
   result.dock = estimateDock(camera_, result.markers, layout_, parameters_.selection, up_, parameters_.pose);
   if (photometric) {
-    refineBundle(grey, camera_, patterns_, refiner_, layout_, up_, parameters_.pose, result.markers, result.dock);
+    const PhotometricContext context{grey, camera_, parameters_.pose, refiner_, patterns_};
+    result.dock = refineDock(context, layout_, up_, result.markers, result.dock).dock;
   }
   addPlacementError(camera_, layout_, parameters_.pose.placement_sigma, result.dock);
   return result;
@@ -106,19 +107,23 @@ void DetectionPipeline::keepDecided(const std::vector<DockHypothesis>& dock, Mar
 }
 
 void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& tracked, ImageEstimate& result) {
+  const PhotometricContext context{grey, camera_, parameters_.pose, refiner_, patterns_};
   const auto dock = estimateDock(camera_, result.markers, layout_, "bundle", up_, parameters_.pose);
   std::vector<MarkerEstimate> kept;
   for (MarkerEstimate& marker : result.markers) {
     const int id = marker.image.id;
-    const auto fit = [&](bool from_last) {
+    const PosePrior prior = priorOf(id);
+    // Leaves the poses of the corners where the print contradicts the model; false when nothing was proved.
+    const auto refine = [&](bool as_tracked) {
       keepDecided(dock, marker);
-      return refinePhotometrically(grey, camera_, patterns_.of(id), refiner_, priorOf(id), parameters_.pose, marker,
-                                   from_last);
+      RefinedMarker refined = refineMarker(context, prior, marker, as_tracked);
+      marker = std::move(refined.marker);
+      return refined.outcome == MarkerOutcome::refined || refined.outcome == MarkerOutcome::corners_kept;
     };
-    bool fitted = tracked.count(id) && fit(true);
+    bool fitted = tracked.count(id) && refine(true);
     if (!fitted) {
       const bool usable = !tracked.count(id) || startAgain(grey, marker);
-      fitted = usable && fit(false);
+      fitted = usable && refine(false);
     }
     // The own search is generous with outlines: the grey levels have to prove the code.
     const bool proved = fitted && marker.image.side() >= parameters_.detector.min_side;

@@ -1,4 +1,4 @@
-#include "photometric/branch_seeds.h"
+#include "photometric/initial_poses.h"
 
 #include <algorithm>
 #include <cmath>
@@ -36,15 +36,15 @@ Eigen::Isometry3d tilted(const Eigen::Isometry3d& T_optical_marker, double angle
   return result;
 }
 
-std::vector<Eigen::Isometry3d> openSeeds(const MarkerEstimate& marker) {
+std::vector<Eigen::Isometry3d> openPoses(const MarkerEstimate& marker) {
   double smallest = marker.hypotheses.front().chi_squared;
   for (const auto& h : marker.hypotheses) smallest = std::min(smallest, h.chi_squared);
-  std::vector<Eigen::Isometry3d> seeds;
+  std::vector<Eigen::Isometry3d> poses;
   for (const auto& h : marker.hypotheses) {
     const bool decided = marker.image.edges_fitted && marker.image.side() > kSideForDecision;
-    if (!decided || h.chi_squared - smallest < kClearlyWorse) seeds.push_back(h.pose);
+    if (!decided || h.chi_squared - smallest < kClearlyWorse) poses.push_back(h.pose);
   }
-  return seeds;
+  return poses;
 }
 
 bool otherBranchOpen(const MarkerEstimate& marker, const std::vector<PhotometricBranch>& branches,
@@ -54,7 +54,7 @@ bool otherBranchOpen(const MarkerEstimate& marker, const std::vector<Photometric
          std::none_of(branches.begin(), branches.end(), [](const PhotometricBranch& b) { return b.hopeless; });
 }
 
-std::vector<Eigen::Isometry3d> steepSeeds(const Eigen::Isometry3d& found) {
+std::vector<Eigen::Isometry3d> steepPoses(const Eigen::Isometry3d& found) {
   return {found, tilted(found, kSteep), tilted(mirrored(found), kSteep)};
 }
 

@@ -1,6 +1,6 @@
 // Both poses under which a marker looks nearly the same.
 
-#include "photometric/branch_seeds.h"
+#include "photometric/initial_poses.h"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ MarkerEstimate smallMarker() {
 
 }  // namespace
 
-TEST(BranchSeeds, MirroredLooksTheSameFromFarAway) {
+TEST(InitialPoses, MirroredLooksTheSameFromFarAway) {
   const Eigen::Isometry3d pose = farMarker(0.4, 0.1), other = mirrored(pose);
   EXPECT_NEAR(other.linear().determinant(), 1.0, 1e-12);
   EXPECT_TRUE(samePose(mirrored(other), pose));
@@ -44,7 +44,7 @@ TEST(BranchSeeds, MirroredLooksTheSameFromFarAway) {
   }
 }
 
-TEST(BranchSeeds, TiltedIsSteepEnoughAndGoesTheSameWay) {
+TEST(InitialPoses, TiltedIsSteepEnoughAndGoesTheSameWay) {
   const Eigen::Isometry3d flat = farMarker(-std::atan2(0.4, 3.0) + 0.02, 0.07), steep = tilted(flat, 0.3);
   EXPECT_NEAR(tilt(steep), 0.3, 1e-9);
   const Eigen::Vector3d sight = -flat.translation().normalized();
@@ -61,7 +61,7 @@ TEST(BranchSeeds, TiltedIsSteepEnoughAndGoesTheSameWay) {
   EXPECT_NEAR(tilt(tilted(frontal, 0.3)), 0.3, 1e-6);
 }
 
-TEST(BranchSeeds, TheOtherBranchIsOpenUntilSomethingDecides) {
+TEST(InitialPoses, TheOtherBranchIsOpenUntilSomethingDecides) {
   MarkerEstimate marker = smallMarker();
   const std::vector<PoseHypothesis> one(1), two(2);
   std::vector<PhotometricBranch> branches(2);
@@ -77,7 +77,7 @@ TEST(BranchSeeds, TheOtherBranchIsOpenUntilSomethingDecides) {
   EXPECT_FALSE(otherBranchOpen(marker, branches, one));
 }
 
-TEST(BranchSeeds, SharpCornersOfALargeMarkerDecide) {
+TEST(InitialPoses, SharpCornersOfALargeMarkerDecide) {
   MarkerEstimate marker = smallMarker();
   for (auto& corner : marker.image.corners) corner *= 3.0;
   marker.image.edges_fitted = true;
@@ -85,14 +85,14 @@ TEST(BranchSeeds, SharpCornersOfALargeMarkerDecide) {
   marker.hypotheses[0].pose = farMarker(0.4, 0.1);
   marker.hypotheses[1].pose = mirrored(marker.hypotheses[0].pose);
   marker.hypotheses[1].chi_squared = 20.0;
-  ASSERT_EQ(openSeeds(marker).size(), 1u);
-  EXPECT_TRUE(samePose(openSeeds(marker)[0], marker.hypotheses[0].pose));
+  ASSERT_EQ(openPoses(marker).size(), 1u);
+  EXPECT_TRUE(samePose(openPoses(marker)[0], marker.hypotheses[0].pose));
   marker.hypotheses[1].chi_squared = 10.0;
-  EXPECT_EQ(openSeeds(marker).size(), 2u);
+  EXPECT_EQ(openPoses(marker).size(), 2u);
   marker.hypotheses[1].chi_squared = 20.0;
   marker.image.edges_fitted = false;
-  EXPECT_EQ(openSeeds(marker).size(), 2u);
+  EXPECT_EQ(openPoses(marker).size(), 2u);
   marker.image.edges_fitted = true;
   for (auto& corner : marker.image.corners) corner /= 3.0;
-  EXPECT_EQ(openSeeds(marker).size(), 2u);
+  EXPECT_EQ(openPoses(marker).size(), 2u);
 }
