@@ -52,13 +52,16 @@ void bindConfiguration(py::module_& m) {
       .def("project", &project, "points"_a, "(n, 3) [m] in the optical frame -> (n, 2) [px]; NaN behind the camera")
       .def_property_readonly("width", &sp::CameraModel::width)
       .def_property_readonly("height", &sp::CameraModel::height);
-  py::class_<sp::DockLayout>(m, "DockLayout", "Dictionary, marker sizes and places.")
-      .def_readonly("dictionary", &sp::DockLayout::dictionary);
+  py::class_<sp::DockLayout>(m, "DockLayout", "Marker family, sizes and places.")
+      .def_readonly("family", &sp::DockLayout::family);
   m.def(
       "load_dock_layout", [](const py::dict& dock) { return sp::loadDockLayout(yaml(dock), "dock"); }, "dock"_a,
       "Of the mapping of a dock file; these markers are known to stand upright.");
-  m.def("layout_of_equal_markers", &sp::layoutOfEqualMarkers, "dictionary"_a, "size"_a,
-        "Every marker has this side [m]; nothing is known of how they stand.");
+  const char* const equal = "Every marker of the family has this side [m]; nothing is known of how they stand.";
+  m.def("layout_of_equal_markers", py::overload_cast<const sp::MarkerFamily&, double>(&sp::layoutOfEqualMarkers),
+        "family"_a, "size"_a, equal);
+  m.def("layout_of_equal_markers", py::overload_cast<const std::string&, double>(&sp::layoutOfEqualMarkers),
+        "dictionary"_a, "size"_a, equal);
   m.def(
       "default_parameters", [] { return asDict(sp::PerceptionParameters()); }, "As in config/perception.yaml.");
   m.def("default_photometric_parameters", [] { return asDict(sp::PhotometricParameters()); });
@@ -120,12 +123,28 @@ void bindDetector(py::module_& m) {
           "The next image is searched as a whole.");
 }
 
-void bindPhotometric(py::module_& m) {
+void bindMarkers(py::module_& m) {
   py::class_<sp::MarkerPattern>(m, "MarkerPattern", "The cells of a print.")
-      .def_static("from_dictionary", &sp::MarkerPattern::fromDictionary, "dictionary"_a, "id"_a)
       .def_static("from_cells", &sp::MarkerPattern::fromCells, "rows_from_top"_a)
       .def_property_readonly("cells", &sp::MarkerPattern::cells)
       .def("at", &sp::MarkerPattern::at, "column"_a, "row"_a);
+  py::class_<sp::MarkerFamily>(m, "MarkerFamily", "Codes of a family of markers (config/marker_families/README.md).")
+      .def(py::init<const std::string&, const std::vector<sp::MarkerCode>&, int, int>(), "name"_a, "codes"_a,
+           "border"_a = 1, "correctable_bits"_a = 0, "`codes`: for each id its bits, row by row from the top, 1 white")
+      .def_static("named", &sp::MarkerFamily::named, "name"_a, "key"_a = "dictionary")
+      .def_static("load", &sp::MarkerFamily::load, "path"_a)
+      .def_static("names", &sp::MarkerFamily::names)
+      .def_property_readonly("name", &sp::MarkerFamily::name)
+      .def_property_readonly("bits", &sp::MarkerFamily::bits, "along a side of the code")
+      .def_property_readonly("border", &sp::MarkerFamily::border, "[cells]")
+      .def_property_readonly("cells", &sp::MarkerFamily::cells, "along a side of the black square")
+      .def_property_readonly("correctable_bits", &sp::MarkerFamily::correctableBits)
+      .def("__len__", &sp::MarkerFamily::count)
+      .def("code", &sp::MarkerFamily::code, "id"_a, "rows from the top, 1 white")
+      .def("pattern", &sp::MarkerFamily::pattern, "id"_a);
+}
+
+void bindPhotometric(py::module_& m) {
   py::class_<sp::PatternPlacement>(m, "PatternPlacement", "A print and where it sits on the object.")
       .def(py::init([](const sp::MarkerPattern& pattern, double size, const Eigen::Matrix4d& T) {
              return sp::PatternPlacement{pattern, size, seater_python::pose(T)};
@@ -165,6 +184,7 @@ PYBIND11_MODULE(seater_perception, m) {
   py::register_exception<sp::ConfigurationError>(m, "ConfigurationError", PyExc_ValueError);
   py::register_exception<sp::CalibrationError>(m, "CalibrationError", PyExc_ValueError);
   py::register_exception<sp::ImageError>(m, "ImageError", PyExc_ValueError);
+  bindMarkers(m);
   bindConfiguration(m);
   bindResults(m);
   bindDetector(m);

@@ -25,7 +25,7 @@ constexpr double kDegree = M_PI / 180.0;
 std::vector<PatternPlacement> placementsOf(const View& view) {
   std::vector<PatternPlacement> placements;
   for (const auto& print : view.prints) {
-    placements.push_back({MarkerPattern::fromDictionary("DICT_4X4_50", print.id), print.size,
+    placements.push_back({MarkerFamily::named("DICT_4X4_50").pattern(print.id), print.size,
                           view.pose.inverse() * print.T_optical_marker});
   }
   return placements;
@@ -103,15 +103,15 @@ TEST(MarkerPattern, CellsCountFromTheLowerLeft) {
 }
 
 TEST(MarkerPattern, RefusesWhatIsNotThere) {
-  EXPECT_EQ(MarkerPattern::fromDictionary("DICT_6X6_250", 249).cells(), 8);
-  EXPECT_THROW(MarkerPattern::fromDictionary("DICT_4X4_50", 50), ConfigurationError);
-  EXPECT_THROW(MarkerPattern::fromDictionary("DICT_4X4_50", -1), ConfigurationError);
-  EXPECT_THROW(MarkerPattern::fromDictionary("DICT_4", 0), ConfigurationError);
+  EXPECT_EQ(MarkerFamily::named("DICT_6X6_250").pattern(249).cells(), 8);
+  EXPECT_THROW(MarkerFamily::named("DICT_4X4_50").pattern(50), ConfigurationError);
+  EXPECT_THROW(MarkerFamily::named("DICT_4X4_50").pattern(-1), ConfigurationError);
+  EXPECT_THROW(MarkerFamily::named("DICT_4").pattern(0), ConfigurationError);
   EXPECT_THROW(MarkerPattern::fromCells({{0, 0, 0}, {0, 0}, {0, 0, 0}}), ConfigurationError);
 }
 
 TEST(PhotometricModel, SmoothsAsNumericIntegrationDoes) {
-  const auto pattern = MarkerPattern::fromDictionary("DICT_4X4_50", 3);
+  const auto pattern = MarkerFamily::named("DICT_4X4_50").pattern(3);
   double largest = 0.0;
   for (const double rho : {0.0, 0.15, -0.35}) {
     for (const auto& at : {Eigen::Vector2d(1.1, 0.95), Eigen::Vector2d(2.9, 3.05), Eigen::Vector2d(-0.1, 5.8)}) {

@@ -107,7 +107,7 @@ TEST(PlainMarkers, turnedAndTiltedAreFound) {
 // Drawn images are what people try first: without blur, black and white at the sensor's limits, and pasted on a grey
 // that is darker than the print's white, as a print is whose margin was cut off.
 TEST(PlainMarkers, aQuietZoneNeedNotBeAsWhiteAsThePrint) {
-  const MarkerDetector detector("DICT_4X4_50", DetectorParameters());
+  const MarkerDetector detector(MarkerFamily::named("DICT_4X4_50"), DetectorParameters());
   const int levels[][3] = {{0, 255, 200},  {0, 200, 200},  {40, 240, 230}, {0, 255, 255}, {40, 255, 200},
                            {40, 240, 160}, {40, 240, 200}, {0, 250, 200},  {40, 200, 215}};
   for (const auto& [black, white, wall] : levels) {

@@ -51,7 +51,7 @@ def test_projection() -> None:
 
 def test_photometric_refinement_finds_back_from_a_wrong_start() -> None:
     refiner = sp.PhotometricRefiner(sp.default_photometric_parameters())
-    pattern = sp.MarkerPattern.from_dictionary("DICT_4X4_50", 3)
+    pattern = sp.MarkerFamily.named("DICT_4X4_50").pattern(3)
     z = F * 0.1 / 126
     start = np.diag([1.0, -1.0, -1.0, 1.0])  # marker facing the camera
     start[:3, 3] = [(562.5 - CX) * z / F + 0.0005, (362.5 - CY) * z / F, 1.004 * z]

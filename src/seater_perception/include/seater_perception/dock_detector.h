@@ -23,7 +23,7 @@ namespace seater_perception {
 /// One per thread: `detect` writes into memory that the next call uses again. Results do not depend on earlier calls.
 class DockDetector {
  public:
-  /// Throws ConfigurationError for an unknown dictionary.
+  /// Throws ConfigurationError for a layout whose family has no markers.
   DockDetector(const CameraModel& camera, const DockLayout& layout, const PerceptionParameters& parameters,
                const CameraMount& mount);
   ~DockDetector();

@@ -1,8 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <cstdint>
-#include <string>
+#include <cstddef>
 #include <vector>
 
 namespace seater_perception {
@@ -13,8 +12,6 @@ namespace seater_perception {
 /// frame's x and y (dock_layout.h). Cell (0, 0) is the lower left one of the black border.
 class MarkerPattern {
  public:
-  /// Marker `id` of an OpenCV dictionary ("DICT_4X4_50"). Throws ConfigurationError for an unknown name or id.
-  static MarkerPattern fromDictionary(const std::string& dictionary, int id);
   /// From cells given row by row from the top, 1 white, 0 black. Throws ConfigurationError when they are not a square
   /// of 3 x 3 or more.
   static MarkerPattern fromCells(const std::vector<std::vector<int>>& rows_from_top);

@@ -197,7 +197,7 @@ bool compareWithCorners(const PhotometricContext& context, const MarkerEstimate&
 const MarkerPattern& PatternBook::of(int id) {
   const auto known = patterns_.find(id);
   if (known != patterns_.end()) return known->second;
-  return patterns_.emplace(id, MarkerPattern::fromDictionary(dictionary_, id)).first->second;
+  return patterns_.emplace(id, family_.pattern(id)).first->second;
 }
 
 RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& prior, const MarkerEstimate& marker,

@@ -6,18 +6,19 @@
 #include <vector>
 
 #include "pose/dock_pose.h"
+#include "seater_perception/marker_family.h"
 #include "seater_perception/photometric.h"
 
 namespace seater_perception {
 
-/// The patterns of a dictionary, made once per id.
+/// The patterns of a family, made once per id.
 class PatternBook {
  public:
-  explicit PatternBook(const std::string& dictionary) : dictionary_(dictionary) {}
+  explicit PatternBook(const MarkerFamily& family) : family_(family) {}
   const MarkerPattern& of(int id);
 
  private:
-  std::string dictionary_;
+  MarkerFamily family_;
   std::map<int, MarkerPattern> patterns_;
 };
 

@@ -49,9 +49,9 @@ DetectionPipeline::DetectionPipeline(const CameraModel& camera, const DockLayout
       layout_(layout),
       parameters_(parameters),
       up_(mount.upInOptical()),
-      search_(layout.dictionary, parameters.detector, idsOf(layout)),
+      search_(layout.family, parameters.detector, idsOf(layout)),
       refiner_(parameters.photometric),
-      patterns_(layout.dictionary) {}
+      patterns_(layout.family) {}
 
 /// Nothing when the fit has to begin with the corners.
 std::optional<MarkerEstimate> DetectionPipeline::expected(const MarkerCorners& found,

@@ -32,7 +32,7 @@ DetectionResult resultOf(const ImageEstimate& estimate, bool full_search);
 /// One per thread: `evaluate` writes into memory that the next call uses again.
 class DetectionPipeline {
  public:
-  /// Throws ConfigurationError for an unknown dictionary.
+  /// Throws ConfigurationError for a layout whose family has no markers.
   DetectionPipeline(const CameraModel& camera, const DockLayout& layout, const PerceptionParameters& parameters,
                     const CameraMount& mount);
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <opencv2/aruco.hpp>
 #include <optional>
 
 #include "image/image_checks.h"
@@ -11,7 +10,7 @@
 #include "search/opencv_search.h"
 #include "search/outline/edge_fit.h"
 #include "search/outline/quad_search.h"
-#include "seater_perception/dock_layout.h"
+#include "seater_perception/errors.h"
 
 namespace seater_perception {
 namespace {
@@ -30,6 +29,11 @@ MarkerCorners cornersOf(const PatternReading& reading) {
   marker.dark = reading.dark;
   marker.contrast = reading.contrast;
   return marker;
+}
+
+const MarkerFamily& requireMarkers(const MarkerFamily& family) {
+  if (family.count() == 0) throw ConfigurationError("dictionary: the marker family has no markers");
+  return family;
 }
 
 /// One marker per id. Two outlines of the same print (its inner and outer contour) overlap: the larger one is the
@@ -85,10 +89,10 @@ cv::Mat withoutShadows(const cv::Mat& grey, const std::vector<MarkerCorners>& ma
 }
 
 struct MarkerDetector::Implementation {
-  cv::Ptr<cv::aruco::Dictionary> dictionary;
+  MarkerFamily family;
   DetectorParameters parameters;
   PatternReader reader;
-  std::set<int> ids;
+  OpenCvSearch opencv;
 
   std::vector<MarkerCorners> search(const cv::Mat& grey, std::set<int>* doubtful, bool strong_shadows) const;
   std::vector<MarkerCorners> byOwnSearch(const ImageLevels& image, const cv::Rect& region, bool strong_shadows) const;
@@ -121,7 +125,7 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const Ima
 /// All of the image.
 std::vector<MarkerCorners> MarkerDetector::Implementation::search(const cv::Mat& grey, std::set<int>* doubtful,
                                                                   bool strong_shadows) const {
-  if (parameters.search != "own") return uniqueMarkers(searchByOpenCv(grey, dictionary, ids, parameters), doubtful);
+  if (parameters.search != "own") return uniqueMarkers(opencv.find(grey), doubtful);
   const cv::Rect all(0, 0, grey.cols, grey.rows);
   const ImageLevels image(grey);
   std::vector<MarkerCorners> found = byOwnSearch(image, all, false);
@@ -153,7 +157,7 @@ std::optional<MarkerCorners> MarkerDetector::Implementation::inShadow(
 std::optional<FittedEdges> MarkerDetector::Implementation::edges(const cv::Mat& grey,
                                                                  const MarkerCorners& marker) const {
   const DetectorParameters& p = parameters;
-  const double cell = marker.minSide() / (dictionary->markerSize + 2);
+  const double cell = marker.minSide() / family.cells();
   const double band = std::clamp(p.edge_band * cell, p.edge_band_min, p.edge_band_max);
   const auto narrow = fitEdges(grey, marker.corners, band);
   if (narrow || kCoarseBand * cell < band) return narrow;
@@ -163,7 +167,7 @@ std::optional<FittedEdges> MarkerDetector::Implementation::edges(const cv::Mat& 
 
 void MarkerDetector::Implementation::refine(const cv::Mat& grey, MarkerCorners& marker) const {
   // OpenCV's outlines follow the steps of pixels; the own search has already fitted the code.
-  if (parameters.search != "own") refineSubPixel(grey, dictionary->markerSize + 2, parameters, marker);
+  if (parameters.search != "own") refineSubPixel(grey, family.cells(), parameters, marker);
   if (!parameters.edge_fit) return;
   if (const auto fitted = edges(grey, marker)) {
     marker.corners = fitted->corners;
@@ -192,10 +196,10 @@ std::optional<MarkerCorners> MarkerDetector::Implementation::outlineNear(const I
   return std::nullopt;
 }
 
-MarkerDetector::MarkerDetector(const std::string& dictionary, const DetectorParameters& parameters,
+MarkerDetector::MarkerDetector(const MarkerFamily& family, const DetectorParameters& parameters,
                                const std::set<int>& ids)
-    : implementation_(new Implementation{cv::aruco::getPredefinedDictionary(dictionaryNumber(dictionary, "dictionary")),
-                                         parameters, PatternReader(dictionary, ids), ids}) {}
+    : implementation_(new Implementation{requireMarkers(family), parameters, PatternReader(family, ids),
+                                         OpenCvSearch(family, ids, parameters)}) {}
 
 MarkerDetector::~MarkerDetector() = default;
 MarkerDetector::MarkerDetector(MarkerDetector&&) noexcept = default;

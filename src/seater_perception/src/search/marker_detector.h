@@ -5,10 +5,10 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <string>
 #include <vector>
 
 #include "search/code/shadow_edge.h"
+#include "seater_perception/marker_family.h"
 #include "seater_perception/parameters.h"
 
 namespace seater_perception {
@@ -45,14 +45,14 @@ struct ExpectedMarker {
 /// The image (CV_8UC1) as without the shadows across these markers: a copy, or itself where there are none.
 cv::Mat withoutShadows(const cv::Mat& grey, const std::vector<MarkerCorners>& markers);
 
-/// Finds markers of one dictionary and refines their corners. Outlines and ids come from findQuads and PatternReader
+/// Finds markers of one family and refines their corners. Outlines and ids come from findQuads and PatternReader
 /// (`search: own`) or from OpenCV's detectMarkers (`opencv`). Corners: fitEdges where it succeeds; else those of the
 /// fitted code (own), or cornerSubPix with a window that follows each marker's size, so that it never reaches the next
 /// cell of the print (opencv).
 class MarkerDetector {
  public:
-  /// `ids`: markers looked for; empty: all of the dictionary. Throws ConfigurationError for an unknown dictionary.
-  MarkerDetector(const std::string& dictionary, const DetectorParameters& parameters, const std::set<int>& ids = {});
+  /// `ids`: markers looked for; empty: all of the family. Throws ConfigurationError for a family without markers.
+  MarkerDetector(const MarkerFamily& family, const DetectorParameters& parameters, const std::set<int>& ids = {});
   ~MarkerDetector();
   MarkerDetector(MarkerDetector&&) noexcept;
 

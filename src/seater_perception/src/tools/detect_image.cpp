@@ -122,7 +122,7 @@ DockLayout layoutFrom(const Options& o) {
   YAML::Node node = readYaml(o.markers);
   if (!o.dictionary.empty() && node.IsMap()) node["dictionary"] = o.dictionary;
   DockLayout layout = loadDockLayout(node, o.markers);
-  if (o.size != 0.0) layout.size_of_others = layoutOfEqualMarkers(layout.dictionary, o.size).size_of_others;
+  if (o.size != 0.0) layout.size_of_others = layoutOfEqualMarkers(layout.family, o.size).size_of_others;
   return layout;
 }
 

@@ -31,7 +31,7 @@ Quad printed(const Quad& quad, int turn) {
 }  // namespace
 
 struct PatternReader::Implementation {
-  Implementation(const std::string& dictionary, const std::set<int>& ids) : book(dictionary, ids), aligner(book) {}
+  Implementation(const MarkerFamily& family, const std::set<int>& ids) : book(family, ids), aligner(book) {}
 
   TemplateBook book;
   PatternAligner aligner;
@@ -80,8 +80,8 @@ std::optional<PatternReading> PatternReader::Implementation::moving(const ImageL
   return aligner.alignMoving(image, a) ? judge(min_evidence, a) : std::nullopt;
 }
 
-PatternReader::PatternReader(const std::string& dictionary, const std::set<int>& ids)
-    : implementation_(new Implementation(dictionary, ids)) {}
+PatternReader::PatternReader(const MarkerFamily& family, const std::set<int>& ids)
+    : implementation_(new Implementation(family, ids)) {}
 PatternReader::~PatternReader() = default;
 PatternReader::PatternReader(PatternReader&&) noexcept = default;
 

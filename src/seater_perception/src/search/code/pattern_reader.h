@@ -5,13 +5,13 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <string>
 #include <vector>
 
 #include "search/code/image_levels.h"
 #include "search/code/pattern_template.h"
 #include "search/code/shadow_edge.h"
 #include "search/outline/quad_search.h"
+#include "seater_perception/marker_family.h"
 
 namespace seater_perception {
 
@@ -30,14 +30,14 @@ struct PatternReading {
   double dark = 0.0, contrast = 0.0;
 };
 
-/// Compares quadrilaterals with the codes of a dictionary. Grey levels are taken at four points of each cell and in the
+/// Compares quadrilaterals with the codes of a family. Grey levels are taken at four points of each cell and in the
 /// quiet zone, and correlated with every code in its four orientations; then the most likely code, blurred as the
 /// camera does, is fitted to them by moving its plane (Gauss-Newton). So corners are exact to about 0.1 px, codes of
 /// two pixels a cell can be told, and what is not a marker fits badly. Not thread-safe.
 class PatternReader {
  public:
-  /// `ids`: codes that are looked for; empty: all of the dictionary. Throws ConfigurationError.
-  PatternReader(const std::string& dictionary, const std::set<int>& ids);
+  /// `ids`: codes that are looked for; empty: all of the family.
+  PatternReader(const MarkerFamily& family, const std::set<int>& ids);
   ~PatternReader();
   PatternReader(PatternReader&&) noexcept;
 

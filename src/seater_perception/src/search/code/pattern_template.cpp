@@ -35,13 +35,13 @@ double shareAlong(double sd) {
 
 }  // namespace
 
-PatternGrid::PatternGrid(int cells) : cells_(cells), along_(2 * cells + 2) {
+PatternGrid::PatternGrid(int cells, int border) : cells_(cells), border_(border), along_(2 * cells + 2) {
   for (int i = 0; i < along_; ++i) at_.push_back(static_cast<float>((-kQuarter + 0.5 * i) * 2.0 / cells - 1.0));
 }
 
 int PatternGrid::ring(int row, int column) const {
   const int nearest = std::min({row, column, along_ - 1 - row, along_ - 1 - column});
-  return nearest == 0 ? 0 : nearest <= 2 ? 1 : 2;
+  return nearest == 0 ? 0 : nearest <= 2 * border_ ? 1 : 2;
 }
 
 PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, double blur)

@@ -13,7 +13,8 @@ namespace seater_perception {
 /// cell from the borders. Coordinates: x right, y down, the black square is -1 .. 1; row by row from the top.
 class PatternGrid {
  public:
-  explicit PatternGrid(int cells);
+  /// `cells`: along the black square, its border of `border` cells on both sides included.
+  explicit PatternGrid(int cells, int border = 1);
 
   int cells() const { return cells_; }
   int along() const { return along_; }  ///< points along a side
@@ -24,7 +25,7 @@ class PatternGrid {
   int ring(int row, int column) const;
 
  private:
-  int cells_, along_;
+  int cells_, border_, along_;
   std::vector<float> at_;
 };
 

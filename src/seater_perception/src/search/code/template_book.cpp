@@ -3,32 +3,25 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <opencv2/aruco.hpp>
 
 #include "numerics/column_products.h"
-#include "seater_perception/dock_layout.h"
 
 namespace seater_perception {
 namespace {
 
-std::map<int, MarkerPattern> patternsOf(const std::string& dictionary, const std::set<int>& ids) {
-  const auto known = cv::aruco::getPredefinedDictionary(dictionaryNumber(dictionary, "dictionary"));
+std::map<int, MarkerPattern> patternsOf(const MarkerFamily& family, const std::set<int>& ids) {
   std::map<int, MarkerPattern> patterns;
-  for (int id = 0; id < known->bytesList.rows; ++id) {
-    // A dock may name what its dictionary does not have: that is never found.
-    if (ids.empty() || ids.count(id)) patterns.emplace(id, MarkerPattern::fromDictionary(dictionary, id));
+  for (int id = 0; id < family.count(); ++id) {
+    // A dock may name what its family does not have: that is never found.
+    if (ids.empty() || ids.count(id)) patterns.emplace(id, family.pattern(id));
   }
   return patterns;
 }
 
-int cellsOf(const std::string& dictionary) {
-  return cv::aruco::getPredefinedDictionary(dictionaryNumber(dictionary, "dictionary"))->markerSize + 2;
-}
-
 }  // namespace
 
-TemplateBook::TemplateBook(const std::string& dictionary, const std::set<int>& ids)
-    : patterns_(patternsOf(dictionary, ids)), grid_(cellsOf(dictionary)), light_(grid_.size(), 3) {
+TemplateBook::TemplateBook(const MarkerFamily& family, const std::set<int>& ids)
+    : patterns_(patternsOf(family, ids)), grid_(family.cells(), family.border()), light_(grid_.size(), 3) {
   for (int row = 0, i = 0; row < grid_.along(); ++row) {
     for (int column = 0; column < grid_.along(); ++column, ++i) light_.row(i) << 1.0f, grid_.x(column), grid_.y(row);
   }

@@ -4,11 +4,11 @@
 #include <map>
 #include <memory>
 #include <set>
-#include <string>
 #include <vector>
 
 #include "search/code/image_levels.h"
 #include "search/code/pattern_template.h"
+#include "seater_perception/marker_family.h"
 
 namespace seater_perception {
 
@@ -18,8 +18,8 @@ class TemplateBook {
   static constexpr std::array<double, 11> kBlurs{0.12, 0.145, 0.175, 0.21, 0.25, 0.3,
                                                  0.36, 0.43,  0.52,  0.62, 0.75};  // [cells] standard deviation
 
-  /// `ids`: empty: all of the dictionary. Throws ConfigurationError.
-  TemplateBook(const std::string& dictionary, const std::set<int>& ids);
+  /// `ids`: empty: all of the family.
+  TemplateBook(const MarkerFamily& family, const std::set<int>& ids);
 
   const PatternGrid& grid() const { return grid_; }
   const MarkerPattern& pattern(int id) const { return patterns_.at(id); }
