@@ -113,7 +113,7 @@ TEST(PlainMarkers, aQuietZoneNeedNotBeAsWhiteAsThePrint) {
   for (const auto& [black, white, wall] : levels) {
     for (const double blur : {0.0, 0.8}) {
       for (const int side : {24, 60, 200}) {
-        const auto found = detector.detect(onThePixelGrid(7, side, 500, 300, blur, black, white, wall));
+        const auto found = detector.detect(onThePixelGrid(7, side, 500, 300, blur, black, white, wall)).markers;
         ASSERT_EQ(found.size(), 1u) << black << " " << white << " " << wall << ", blur " << blur << ", " << side
                                     << " px";
         EXPECT_EQ(found[0].id, 7);

@@ -63,13 +63,12 @@ std::optional<MarkerEstimate> DetectionPipeline::expected(const MarkerCorners& f
   return usable ? marker : std::nullopt;
 }
 
-ImageEstimate DetectionPipeline::evaluate(const cv::Mat& image, const std::vector<MarkerCorners>& found,
-                                          const std::map<int, MarkerEstimate>& last) {
-  checkImage(image, camera_);
-  const cv::Mat grey = withoutShadows(image, found);
+ImageEstimate DetectionPipeline::evaluate(const SearchResult& found, const std::map<int, MarkerEstimate>& last) {
+  const cv::Mat& grey = found.lit;
+  checkImage(grey, camera_);
   ImageEstimate result;
   std::set<int> tracked;
-  for (const MarkerCorners& corners : found) {
+  for (const MarkerCorners& corners : found.markers) {
     const auto size = layout_.sizeOf(corners.id);
     if (!size) continue;
     auto marker = expected(corners, last);

@@ -38,8 +38,7 @@ class DetectionPipeline {
 
   /// Poses of markers that have been found in this image, and of the dock. `last`: markers of the image before, by id,
   /// where they are expected in this one: fits begin at their poses. Throws ImageError.
-  ImageEstimate evaluate(const cv::Mat& grey, const std::vector<MarkerCorners>& found,
-                         const std::map<int, MarkerEstimate>& last = {});
+  ImageEstimate evaluate(const SearchResult& found, const std::map<int, MarkerEstimate>& last = {});
 
   const MarkerDetector& search() const { return search_; }
   const PerceptionParameters& parameters() const { return parameters_; }

@@ -19,7 +19,7 @@ DockDetector::DockDetector(DockDetector&&) noexcept = default;
 DetectionResult DockDetector::detect(const cv::Mat& grey) {
   DetectionPipeline& pipeline = implementation_->pipeline;
   checkImage(grey, pipeline.camera());
-  return resultOf(pipeline.evaluate(grey, pipeline.search().detect(grey)), true);
+  return resultOf(pipeline.evaluate(pipeline.search().detect(grey)), true);
 }
 
 const CameraModel& DockDetector::camera() const {

@@ -39,8 +39,7 @@ class DockTracker::Implementation {
 
   std::map<int, Corners> predict(const std::optional<Eigen::Isometry3d>& T_now_last) const;
   std::optional<Corners> project(const Eigen::Isometry3d& T_optical_marker, double size) const;
-  std::vector<MarkerCorners> searchNear(const cv::Mat& grey, const std::map<int, Corners>& predicted,
-                                        std::vector<MarkerCorners> found) const;
+  std::vector<ExpectedMarker> expected(const std::map<int, Corners>& predicted) const;
   std::map<int, MarkerEstimate> lastMarkers(const std::optional<Eigen::Isometry3d>& T_now_last) const;
 
   DetectionPipeline pipeline_;
@@ -102,16 +101,15 @@ std::map<int, DockTracker::Implementation::Corners> DockTracker::Implementation:
   return predicted;
 }
 
-std::vector<MarkerCorners> DockTracker::Implementation::searchNear(const cv::Mat& grey,
-                                                                   const std::map<int, Corners>& predicted,
-                                                                   std::vector<MarkerCorners> found) const {
+/// How each of these markers is to be looked for.
+std::vector<ExpectedMarker> DockTracker::Implementation::expected(const std::map<int, Corners>& predicted) const {
   std::vector<ExpectedMarker> expected;
   for (const auto& [id, corners] : predicted) {
     const int wanted = id;
-    if (std::any_of(found.begin(), found.end(), [wanted](const MarkerCorners& m) { return m.id == wanted; })) continue;
     ExpectedMarker e;
     e.id = id;
     e.corners = corners;
+    e.min_evidence = parameters_.min_evidence;
     const auto is_it = [wanted](const MarkerEstimate& m) { return m.image.id == wanted; };
     const auto last = std::find_if(last_.markers.begin(), last_.markers.end(), is_it);
     e.by_outline = last != last_.markers.end();
@@ -125,11 +123,7 @@ std::vector<MarkerCorners> DockTracker::Implementation::searchNear(const cv::Mat
     }
     expected.push_back(e);
   }
-  for (const MarkerCorners& marker : pipeline_.search().follow(grey, expected, parameters_.min_evidence)) {
-    found.push_back(marker);
-  }
-  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
-  return found;
+  return expected;
 }
 
 /// As they are expected to stand now; without odometry, their corners alone tell that.
@@ -146,18 +140,17 @@ std::map<int, MarkerEstimate> DockTracker::Implementation::lastMarkers(
 DetectionResult DockTracker::Implementation::detect(const cv::Mat& grey,
                                                     const std::optional<Eigen::Isometry3d>& T_now_last) {
   checkImage(grey, pipeline_.camera());
-  auto predicted = parameters_.enabled ? predict(T_now_last) : std::map<int, Corners>();
+  const auto wanted = parameters_.enabled ? expected(predict(T_now_last)) : std::vector<ExpectedMarker>();
   ImageEstimate estimate;
   bool full_search = true;
-  if (!predicted.empty() && since_full_search_ + 1 < parameters_.full_search_every) {
-    estimate = pipeline_.evaluate(grey, searchNear(grey, predicted, {}), lastMarkers(T_now_last));
+  if (!wanted.empty() && since_full_search_ + 1 < parameters_.full_search_every) {
+    estimate = pipeline_.evaluate(pipeline_.search().searchNear(grey, wanted), lastMarkers(T_now_last));
     full_search = estimate.markers.empty();
   }
   if (full_search) {
-    doubtful_.clear();
-    const auto found = pipeline_.search().detect(grey, &doubtful_, empty_ % kShadowsEvery == 0);
-    for (const int id : doubtful_) predicted.erase(id);
-    estimate = pipeline_.evaluate(grey, searchNear(grey, predicted, found));
+    const SearchResult found = pipeline_.search().detect(grey, wanted, empty_ % kShadowsEvery == 0);
+    doubtful_ = found.doubtful;
+    estimate = pipeline_.evaluate(found);
   }
   since_full_search_ = full_search ? 0 : since_full_search_ + 1;
   empty_ = estimate.markers.empty() ? empty_ + 1 : 0;

@@ -21,6 +21,13 @@ constexpr int kSmallestRegion = 12;   // [px]
 // print's border.
 constexpr int kNarrowWindow = 7;
 
+/// Markers on their way to a result.
+struct Found {
+  std::vector<MarkerCorners> markers;
+  std::set<int> coarse;    // whose corners have still to be refined
+  std::set<int> doubtful;  // seen at two places
+};
+
 MarkerCorners cornersOf(const PatternReading& reading) {
   MarkerCorners marker;
   marker.id = reading.id;
@@ -38,8 +45,7 @@ const MarkerFamily& requireMarkers(const MarkerFamily& family) {
 
 /// One marker per id. Two outlines of the same print (its inner and outer contour) overlap: the larger one is the
 /// marker's.
-std::vector<MarkerCorners> uniqueMarkers(const std::vector<MarkerCorners>& found,
-                                         std::set<int>* doubtful_ids = nullptr) {
+std::vector<MarkerCorners> uniqueMarkers(const std::vector<MarkerCorners>& found, std::set<int>& doubtful_ids) {
   std::map<int, MarkerCorners> best;
   std::map<int, bool> doubtful;
   for (const MarkerCorners& marker : found) {
@@ -54,8 +60,8 @@ std::vector<MarkerCorners> uniqueMarkers(const std::vector<MarkerCorners>& found
   for (const auto& [id, marker] : best) {
     if (!doubtful.count(id))
       unique.push_back(marker);
-    else if (doubtful_ids)
-      doubtful_ids->insert(id);
+    else
+      doubtful_ids.insert(id);
   }
   return unique;
 }
@@ -78,23 +84,15 @@ Eigen::Vector2d MarkerCorners::centre() const {
   return 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
 }
 
-cv::Mat withoutShadows(const cv::Mat& grey, const std::vector<MarkerCorners>& markers) {
-  cv::Mat lit = grey;
-  for (const MarkerCorners& marker : markers) {
-    if (!marker.shadow) continue;
-    if (lit.data == grey.data) lit = grey.clone();
-    lift(*marker.shadow, lit);
-  }
-  return lit;
-}
-
 struct MarkerDetector::Implementation {
   MarkerFamily family;
   DetectorParameters parameters;
   PatternReader reader;
   OpenCvSearch opencv;
 
-  std::vector<MarkerCorners> search(const cv::Mat& grey, std::set<int>* doubtful, bool strong_shadows) const;
+  std::vector<MarkerCorners> search(const ImageLevels& image, std::set<int>& doubtful, bool strong_shadows) const;
+  void searchNear(const ImageLevels& image, const std::vector<ExpectedMarker>& expected, Found& found) const;
+  SearchResult finish(const cv::Mat& grey, Found& found) const;
   std::vector<MarkerCorners> byOwnSearch(const ImageLevels& image, const cv::Rect& region, bool strong_shadows) const;
   std::optional<MarkerCorners> inShadow(const ImageLevels& image, const Quad& quad,
                                         const std::optional<PatternReading>& so_far) const;
@@ -123,11 +121,10 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const Ima
 }
 
 /// All of the image.
-std::vector<MarkerCorners> MarkerDetector::Implementation::search(const cv::Mat& grey, std::set<int>* doubtful,
+std::vector<MarkerCorners> MarkerDetector::Implementation::search(const ImageLevels& image, std::set<int>& doubtful,
                                                                   bool strong_shadows) const {
-  if (parameters.search != "own") return uniqueMarkers(opencv.find(grey), doubtful);
-  const cv::Rect all(0, 0, grey.cols, grey.rows);
-  const ImageLevels image(grey);
+  if (parameters.search != "own") return uniqueMarkers(opencv.find(image.grey()), doubtful);
+  const cv::Rect all(0, 0, image.grey().cols, image.grey().rows);
   std::vector<MarkerCorners> found = byOwnSearch(image, all, false);
   if (found.empty() && strong_shadows) found = byOwnSearch(image, all, true);
   return uniqueMarkers(found, doubtful);
@@ -141,8 +138,7 @@ std::optional<MarkerCorners> MarkerDetector::Implementation::inShadow(
   const cv::Rect part = shadow->region & cv::Rect(0, 0, image.grey().cols, image.grey().rows);
   if (part.width < kSmallestRegion || part.height < kSmallestRegion) return std::nullopt;
   const Eigen::Vector2d origin(part.x, part.y);
-  cv::Mat lit = image.grey()(part).clone();
-  lift(shadow->seenFrom(origin), lit);
+  const cv::Mat lit = withoutShadows(image.grey()(part), {shadow->seenFrom(origin)});
   Quad there = quad;
   for (auto& corner : there) corner -= origin;
   auto reading = reader.read(ImageLevels(lit), there, parameters.min_evidence);
@@ -188,12 +184,46 @@ std::optional<MarkerCorners> MarkerDetector::Implementation::outlineNear(const I
   const cv::Point last(whole(high.x() + margin + 1.0, width), whole(high.y() + margin + 1.0, height));
   const cv::Rect region(first, last);
   if (region.width < kSmallestRegion || region.height < kSmallestRegion) return std::nullopt;
+  std::set<int> doubtful;
   for (const bool strong_shadows : {false, true}) {
-    for (const MarkerCorners& marker : uniqueMarkers(byOwnSearch(image, region, strong_shadows))) {
+    for (const MarkerCorners& marker : uniqueMarkers(byOwnSearch(image, region, strong_shadows), doubtful)) {
       if (marker.id == expected.id) return marker;
     }
   }
   return std::nullopt;
+}
+
+void MarkerDetector::Implementation::searchNear(const ImageLevels& image, const std::vector<ExpectedMarker>& expected,
+                                                Found& found) const {
+  for (const ExpectedMarker& e : expected) {
+    const auto reading = reader.follow(e.id, image, e.corners, e.reach, e.min_evidence, e.code_blur);
+    std::optional<MarkerCorners> marker;
+    if (reading) marker = inShadow(image, reading->corners, reading);
+    if (!marker && reading)
+      marker = cornersOf(*reading);
+    else if (!marker && e.by_outline)
+      marker = outlineNear(image, e);
+    if (!marker) continue;
+    if (e.edges || !reading || !(reading->contrast > 0.0)) found.coarse.insert(marker->id);
+    found.markers.push_back(*marker);
+  }
+}
+
+/// Takes the shadows away, once for all markers, and refines corners in that image.
+SearchResult MarkerDetector::Implementation::finish(const cv::Mat& grey, Found& found) const {
+  std::vector<ShadowEdge> shadows;
+  for (const MarkerCorners& marker : found.markers) {
+    if (marker.shadow) shadows.push_back(*marker.shadow);
+  }
+  SearchResult result;
+  result.lit = withoutShadows(grey, shadows);
+  result.doubtful = found.doubtful;
+  result.markers = found.markers;
+  std::sort(result.markers.begin(), result.markers.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  for (MarkerCorners& marker : result.markers) {
+    if (found.coarse.count(marker.id)) refine(result.lit, marker);
+  }
+  return result;
 }
 
 MarkerDetector::MarkerDetector(const MarkerFamily& family, const DetectorParameters& parameters,
@@ -204,35 +234,26 @@ MarkerDetector::MarkerDetector(const MarkerFamily& family, const DetectorParamet
 MarkerDetector::~MarkerDetector() = default;
 MarkerDetector::MarkerDetector(MarkerDetector&&) noexcept = default;
 
-std::vector<MarkerCorners> MarkerDetector::detect(const cv::Mat& grey, std::set<int>* doubtful,
-                                                  bool strong_shadows) const {
+SearchResult MarkerDetector::detect(const cv::Mat& grey, const std::vector<ExpectedMarker>& expected,
+                                    bool strong_shadows) const {
   checkImage(grey);
-  std::vector<MarkerCorners> unique = implementation_->search(grey, doubtful, strong_shadows);
-  const cv::Mat lit = withoutShadows(grey, unique);
-  for (MarkerCorners& marker : unique) implementation_->refine(lit, marker);
-  return unique;
+  const ImageLevels image(grey);
+  Found found;
+  found.markers = implementation_->search(image, found.doubtful, strong_shadows);
+  for (const MarkerCorners& marker : found.markers) found.coarse.insert(marker.id);
+  std::vector<ExpectedMarker> missing;
+  for (const ExpectedMarker& e : expected) {
+    if (!found.coarse.count(e.id) && !found.doubtful.count(e.id)) missing.push_back(e);
+  }
+  implementation_->searchNear(image, missing, found);
+  return implementation_->finish(grey, found);
 }
 
-std::vector<MarkerCorners> MarkerDetector::follow(const cv::Mat& grey, const std::vector<ExpectedMarker>& expected,
-                                                  double min_evidence) const {
+SearchResult MarkerDetector::searchNear(const cv::Mat& grey, const std::vector<ExpectedMarker>& expected) const {
   checkImage(grey);
-  std::vector<MarkerCorners> found;
-  if (expected.empty()) return found;
-  const ImageLevels image(grey);
-  for (const ExpectedMarker& e : expected) {
-    const auto reading = implementation_->reader.follow(e.id, image, e.corners, e.reach, min_evidence, e.code_blur);
-    std::optional<MarkerCorners> marker;
-    if (reading) marker = implementation_->inShadow(image, reading->corners, reading);
-    if (!marker && reading)
-      marker = cornersOf(*reading);
-    else if (!marker && e.by_outline)
-      marker = implementation_->outlineNear(image, e);
-    if (!marker) continue;
-    if (e.edges || !reading || !(reading->contrast > 0.0))
-      implementation_->refine(withoutShadows(grey, {*marker}), *marker);
-    found.push_back(*marker);
-  }
-  return found;
+  Found found;
+  implementation_->searchNear(ImageLevels(grey), expected, found);
+  return implementation_->finish(grey, found);
 }
 
 int MarkerDetector::cells() const {

@@ -37,13 +37,20 @@ struct ExpectedMarker {
   int id = 0;
   std::array<Eigen::Vector2d, 4> corners;  ///< as of MarkerCorners [px]
   double reach = 0.0;                      ///< how far away it is looked for [px]; 0: only there
+  double min_evidence = 0.0;               ///< how well the grey levels have to fit its code
   bool by_outline = true;                  ///< and by its outline, when its code does not show there
   int code_blur = -1;                      ///< as of MarkerCorners in the last image; -1: not known
   bool edges = true;                       ///< false: no edges are fitted where the code shows clearly
 };
 
-/// The image (CV_8UC1) as without the shadows across these markers: a copy, or itself where there are none.
-cv::Mat withoutShadows(const cv::Mat& grey, const std::vector<MarkerCorners>& markers);
+/// What a search finds in an image.
+struct SearchResult {
+  std::vector<MarkerCorners> markers;  ///< ascending id
+  /// The image without the shadows across these markers, from which grey levels are to be taken; where there is no
+  /// shadow, the image itself (memory is shared).
+  cv::Mat lit;
+  std::set<int> doubtful;  ///< ids that stand at two places: left out, nothing tells which one is meant
+};
 
 /// Finds markers of one family and refines their corners. Outlines and ids come from findQuads and PatternReader
 /// (`search: own`) or from OpenCV's detectMarkers (`opencv`). Corners: fitEdges where it succeeds; else those of the
@@ -56,22 +63,20 @@ class MarkerDetector {
   ~MarkerDetector();
   MarkerDetector(MarkerDetector&&) noexcept;
 
-  /// Markers in ascending id. An id that stands at two places of the image is left out: nothing tells which one is
-  /// meant; `doubtful` gathers such ids. `strong_shadows`: where nothing is found, markers across the edge of a strong
-  /// shadow are looked for, which takes once more the time. `grey` is CV_8UC1. Throws ImageError.
-  std::vector<MarkerCorners> detect(const cv::Mat& grey, std::set<int>* doubtful = nullptr,
-                                    bool strong_shadows = true) const;
+  /// Searches the whole image, then looks for those `expected` markers that this has not shown, as searchNear does.
+  /// `strong_shadows`: where nothing is found, markers across the edge of a strong shadow are looked for, which takes
+  /// once more the time. `grey` is CV_8UC1. Throws ImageError.
+  SearchResult detect(const cv::Mat& grey, const std::vector<ExpectedMarker>& expected = {},
+                      bool strong_shadows = true) const;
 
-  /// Markers near the places where they are expected, in their order: first where they are expected, then up to `reach`
-  /// away, by their code, then (`by_outline`) by their outline there. The correlation has to be at least
-  /// `min_evidence`, every bit of the code on its side, and no other code as likely. What is not there is left out.
-  /// Throws ImageError.
-  std::vector<MarkerCorners> follow(const cv::Mat& grey, const std::vector<ExpectedMarker>& expected,
-                                    double min_evidence) const;
+  /// Markers near the places where they are expected: first there, then up to `reach` away, by their code, then
+  /// (`by_outline`) by their outline. The evidence has to be at least `min_evidence`, every bit of the code on its
+  /// side, and no other code as likely. What is not there is left out. Throws ImageError.
+  SearchResult searchNear(const cv::Mat& grey, const std::vector<ExpectedMarker>& expected) const;
 
   int cells() const;  ///< along a marker's side, border included
 
-  /// Refines a found marker's corners, as `detect` does.
+  /// Refines a found marker's corners, as `detect` does; `grey`: SearchResult::lit.
   void refine(const cv::Mat& grey, MarkerCorners& marker) const;
 
  private:

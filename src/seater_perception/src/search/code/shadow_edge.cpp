@@ -73,6 +73,25 @@ double normalShare(double x) {
   return 0.5 * std::erfc(-x * M_SQRT1_2);
 }
 
+/// How far out a pixel lies in a region: 0 in the middle, 1 at its border.
+double eccentricity(const cv::Rect& region, const cv::Point& p) {
+  const double x = (2.0 * (p.x - region.x) + 1.0) / region.width - 1.0;
+  const double y = (2.0 * (p.y - region.y) + 1.0) / region.height - 1.0;
+  return std::max(std::abs(x), std::abs(y));
+}
+
+/// Of the shadows in whose regions the pixel lies (one at least), that of the nearest print.
+const ShadowEdge& nearest(const std::vector<ShadowEdge>& shadows, const cv::Point& p) {
+  const ShadowEdge* best = nullptr;
+  double least = 0.0;
+  for (const ShadowEdge& shadow : shadows) {
+    if (!shadow.region.contains(p)) continue;
+    const double out = eccentricity(shadow.region, p);
+    if (!best || out < least) best = &shadow, least = out;
+  }
+  return *best;
+}
+
 /// The transition's width that explains the ring best.
 double widthOf(const std::vector<RingSample>& ring, const Levels& levels, const SquareToQuad& map, double cell,
                ShadowEdge shadow) {
@@ -131,14 +150,20 @@ std::optional<ShadowEdge> findShadowEdge(const PatternGrid& grid, const ImageLev
   return shadow;
 }
 
-void lift(const ShadowEdge& shadow, cv::Mat& grey) {
-  const cv::Rect region = shadow.region & cv::Rect(0, 0, grey.cols, grey.rows);
-  for (int v = region.y; v < region.y + region.height; ++v) {
-    uchar* row = grey.ptr<uchar>(v);
-    for (int u = region.x; u < region.x + region.width; ++u) {
-      row[u] = cv::saturate_cast<uchar>(row[u] / shadow.light({u, v}));
+cv::Mat withoutShadows(const cv::Mat& grey, const std::vector<ShadowEdge>& shadows) {
+  if (shadows.empty()) return grey;
+  cv::Mat lit = grey.clone();
+  for (const ShadowEdge& shadow : shadows) {
+    const cv::Rect region = shadow.region & cv::Rect(0, 0, grey.cols, grey.rows);
+    for (int v = region.y; v < region.y + region.height; ++v) {
+      const uchar* from = grey.ptr<uchar>(v);
+      uchar* to = lit.ptr<uchar>(v);
+      for (int u = region.x; u < region.x + region.width; ++u) {
+        if (&nearest(shadows, {u, v}) == &shadow) to[u] = cv::saturate_cast<uchar>(from[u] / shadow.light({u, v}));
+      }
     }
   }
+  return lit;
 }
 
 }  // namespace seater_perception
