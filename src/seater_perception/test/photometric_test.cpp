@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "marker/photometric_model.h"
-#include "numerics/fast_normal.h"
+#include "numerics/normal.h"
 #include "photometric/branch_seeds.h"
 #include "photometric/kernel/photometric_kernel.h"
 #include "photometric/samples/photometric_samples.h"

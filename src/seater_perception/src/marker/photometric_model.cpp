@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "numerics/normal.h"
+
 namespace seater_perception {
 namespace {
 
@@ -19,8 +21,8 @@ class NormalTable {
   NormalTable() {
     for (int i = 0; i < kSize; ++i) {
       const double h = static_cast<double>(i) / kTableSteps - kTableReach;
-      distribution_[static_cast<std::size_t>(i)] = 0.5 * std::erfc(-h * M_SQRT1_2);
-      density_[static_cast<std::size_t>(i)] = std::exp(-0.5 * h * h) / std::sqrt(2.0 * M_PI);
+      distribution_[static_cast<std::size_t>(i)] = normalDistribution(h);
+      density_[static_cast<std::size_t>(i)] = normalDensity(h);
     }
   }
 

@@ -16,12 +16,6 @@ constexpr double kSmallCell = 8.0;     // [px] up to here, the code's corners ar
 constexpr int kShadowsEvery = 4;       // [images] without markers: strong shadows are looked for so often
 constexpr double kReachByDock = 0.17;  // [sides] one cell: for markers that were not seen in the last image
 
-double sideOf(const std::array<Eigen::Vector2d, 4>& corners) {
-  MarkerCorners marker;
-  marker.corners = corners;
-  return marker.side();
-}
-
 }  // namespace
 
 class DockTracker::Implementation {
@@ -35,18 +29,16 @@ class DockTracker::Implementation {
   void reset();
 
  private:
-  using Corners = std::array<Eigen::Vector2d, 4>;
-
-  std::map<int, Corners> predict(const std::optional<Eigen::Isometry3d>& T_now_last) const;
-  std::optional<Corners> project(const Eigen::Isometry3d& T_optical_marker, double size) const;
-  std::vector<ExpectedMarker> expected(const std::map<int, Corners>& predicted) const;
+  std::map<int, Quad> predict(const std::optional<Eigen::Isometry3d>& T_now_last) const;
+  std::optional<Quad> project(const Eigen::Isometry3d& T_optical_marker, double size) const;
+  std::vector<ExpectedMarker> expected(const std::map<int, Quad>& predicted) const;
   std::map<int, MarkerEstimate> lastMarkers(const std::optional<Eigen::Isometry3d>& T_now_last) const;
 
   DetectionPipeline pipeline_;
   TrackingParameters parameters_;
   ImageEstimate last_;
-  std::map<int, Corners> before_;  // of the image before the last one
-  std::set<int> doubtful_;         // seen at two places by the last search of the whole image
+  std::map<int, Quad> before_;  // of the image before the last one
+  std::set<int> doubtful_;      // seen at two places by the last search of the whole image
   int since_full_search_ = 0;
   int empty_ = 0;  // images without markers since the last one with
 };
@@ -59,11 +51,10 @@ void DockTracker::Implementation::reset() {
   empty_ = 0;
 }
 
-std::optional<DockTracker::Implementation::Corners> DockTracker::Implementation::project(
-    const Eigen::Isometry3d& T_optical_marker, double size) const {
+std::optional<Quad> DockTracker::Implementation::project(const Eigen::Isometry3d& T_optical_marker, double size) const {
   const CameraModel& camera = pipeline_.camera();
   const auto points = markerCorners(size);
-  Corners corners;
+  Quad corners;
   for (std::size_t i = 0; i < 4; ++i) {
     const auto pixel = camera.project(T_optical_marker * points[i]);
     if (!pixel) return std::nullopt;
@@ -74,19 +65,18 @@ std::optional<DockTracker::Implementation::Corners> DockTracker::Implementation:
   return corners;
 }
 
-std::map<int, DockTracker::Implementation::Corners> DockTracker::Implementation::predict(
-    const std::optional<Eigen::Isometry3d>& T_now_last) const {
+std::map<int, Quad> DockTracker::Implementation::predict(const std::optional<Eigen::Isometry3d>& T_now_last) const {
   const Eigen::Isometry3d motion = T_now_last.value_or(Eigen::Isometry3d::Identity());
-  std::map<int, Corners> predicted;
+  std::map<int, Quad> predicted;
   // The dock tells where its other markers have to be.
   if (!last_.dock.empty()) {
     for (const auto& [id, marker] : pipeline_.layout().markers) {
       const auto corners = project(motion * last_.dock.front().pose * marker.T_dock_marker(), marker.size);
-      if (corners && sideOf(*corners) >= pipeline_.parameters().detector.min_side) predicted[id] = *corners;
+      if (corners && meanSide(*corners) >= pipeline_.parameters().detector.min_side) predicted[id] = *corners;
     }
   }
   for (const MarkerEstimate& marker : last_.markers) {
-    Corners corners = marker.image.corners;
+    Quad corners = marker.image.corners;
     const auto earlier = before_.find(marker.image.id);
     if (T_now_last) {
       const auto moved = project(motion * marker.best().pose, marker.size);
@@ -102,7 +92,7 @@ std::map<int, DockTracker::Implementation::Corners> DockTracker::Implementation:
 }
 
 /// How each of these markers is to be looked for.
-std::vector<ExpectedMarker> DockTracker::Implementation::expected(const std::map<int, Corners>& predicted) const {
+std::vector<ExpectedMarker> DockTracker::Implementation::expected(const std::map<int, Quad>& predicted) const {
   std::vector<ExpectedMarker> expected;
   for (const auto& [id, corners] : predicted) {
     const int wanted = id;
@@ -114,7 +104,7 @@ std::vector<ExpectedMarker> DockTracker::Implementation::expected(const std::map
     const auto last = std::find_if(last_.markers.begin(), last_.markers.end(), is_it);
     e.by_outline = last != last_.markers.end();
     // What the dock's pose alone tells is exact, or not worth a longer look in every image.
-    const double side = sideOf(corners);
+    const double side = meanSide(corners);
     e.reach = e.by_outline ? std::max(parameters_.margin_min, parameters_.margin * side) : kReachByDock * side;
     if (e.by_outline) {
       const bool fitted = pipeline_.parameters().refinement == "photometric" && last->image.blur_sd > 0.0;

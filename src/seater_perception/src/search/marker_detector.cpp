@@ -53,7 +53,7 @@ std::vector<MarkerCorners> uniqueMarkers(const std::vector<MarkerCorners>& found
     if (is_new) continue;
     MarkerCorners& other = place->second;
     const double larger = std::max(marker.side(), other.side());
-    if ((marker.centre() - other.centre()).norm() > 0.5 * larger) doubtful[marker.id] = true;
+    if ((centre(marker.corners) - centre(other.corners)).norm() > 0.5 * larger) doubtful[marker.id] = true;
     if (marker.side() > other.side()) other = marker;
   }
   std::vector<MarkerCorners> unique;
@@ -67,22 +67,6 @@ std::vector<MarkerCorners> uniqueMarkers(const std::vector<MarkerCorners>& found
 }
 
 }  // namespace
-
-double MarkerCorners::side() const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) sum += (corners[(i + 1) % 4] - corners[i]).norm();
-  return 0.25 * sum;
-}
-
-double MarkerCorners::minSide() const {
-  double shortest = (corners[1] - corners[0]).norm();
-  for (std::size_t i = 1; i < 4; ++i) shortest = std::min(shortest, (corners[(i + 1) % 4] - corners[i]).norm());
-  return shortest;
-}
-
-Eigen::Vector2d MarkerCorners::centre() const {
-  return 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
-}
 
 struct MarkerDetector::Implementation {
   MarkerFamily family;
@@ -153,7 +137,7 @@ std::optional<MarkerCorners> MarkerDetector::Implementation::inShadow(
 std::optional<FittedEdges> MarkerDetector::Implementation::edges(const cv::Mat& grey,
                                                                  const MarkerCorners& marker) const {
   const DetectorParameters& p = parameters;
-  const double cell = marker.minSide() / family.cells();
+  const double cell = shortestSide(marker.corners) / family.cells();
   const double band = std::clamp(p.edge_band * cell, p.edge_band_min, p.edge_band_max);
   const auto narrow = fitEdges(grey, marker.corners, band);
   if (narrow || kCoarseBand * cell < band) return narrow;
@@ -175,8 +159,7 @@ void MarkerDetector::Implementation::refine(const cv::Mat& grey, MarkerCorners& 
 /// The marker by its outline, in the part of the image that it should be in.
 std::optional<MarkerCorners> MarkerDetector::Implementation::outlineNear(const ImageLevels& image,
                                                                          const ExpectedMarker& expected) const {
-  Eigen::Vector2d low = expected.corners[0], high = expected.corners[0];
-  for (const auto& corner : expected.corners) low = low.cwiseMin(corner), high = high.cwiseMax(corner);
+  const Eigen::Vector2d low = boundingBox(expected.corners).min(), high = boundingBox(expected.corners).max();
   const double margin = expected.reach + 0.2 * (high - low).maxCoeff() + 3.0;  // the quiet zone and the smoothing too
   const auto whole = [](double x, double limit) { return static_cast<int>(std::clamp(x, 0.0, limit)); };
   const int width = image.grey().cols, height = image.grey().rows;

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <memory>
 #include <optional>
 #include <set>
 #include <vector>
 
+#include "numerics/quad.h"
 #include "search/code/shadow_edge.h"
 #include "seater_perception/marker_family.h"
 #include "seater_perception/parameters.h"
@@ -18,7 +18,7 @@ struct MarkerCorners {
   int id = 0;
   /// [px] in the image as given (not undistorted), top-left, top-right, bottom-right, bottom-left as the print is
   /// read.
-  std::array<Eigen::Vector2d, 4> corners;
+  Quad corners;
   bool edges_fitted =
       false;  ///< true: corners are intersections of fitted edges; false: of the code or cornerSubPix, less accurate
   double corner_sigma = 0.0;          ///< standard deviation of a corner coordinate; 0: as the parameters say [px]
@@ -27,20 +27,18 @@ struct MarkerCorners {
   double dark = 0.0, contrast = 0.0;  ///< as of PatternReading; contrast 0: not to be relied on
   std::optional<ShadowEdge> shadow;   ///< that lies across it: corners and levels are of withoutShadows
 
-  double side() const;     ///< mean side [px]
-  double minSide() const;  ///< shortest side [px]
-  Eigen::Vector2d centre() const;
+  double side() const { return meanSide(corners); }  ///< mean side [px]
 };
 
 /// Where a marker should be in the image.
 struct ExpectedMarker {
   int id = 0;
-  std::array<Eigen::Vector2d, 4> corners;  ///< as of MarkerCorners [px]
-  double reach = 0.0;                      ///< how far away it is looked for [px]; 0: only there
-  double min_evidence = 0.0;               ///< how well the grey levels have to fit its code
-  bool by_outline = true;                  ///< and by its outline, when its code does not show there
-  int code_blur = -1;                      ///< as of MarkerCorners in the last image; -1: not known
-  bool edges = true;                       ///< false: no edges are fitted where the code shows clearly
+  Quad corners;               ///< as of MarkerCorners [px]
+  double reach = 0.0;         ///< how far away it is looked for [px]; 0: only there
+  double min_evidence = 0.0;  ///< how well the grey levels have to fit its code
+  bool by_outline = true;     ///< and by its outline, when its code does not show there
+  int code_blur = -1;         ///< as of MarkerCorners in the last image; -1: not known
+  bool edges = true;          ///< false: no edges are fitted where the code shows clearly
 };
 
 /// What a search finds in an image.

@@ -10,7 +10,7 @@ namespace {
 
 /// Half window of the refinement [px]: a fixed part of the marker's shortest cell.
 int cornerWindow(const MarkerCorners& marker, int cells, const DetectorParameters& parameters) {
-  const double cell = marker.minSide() / cells;
+  const double cell = shortestSide(marker.corners) / cells;
   const int window = static_cast<int>(std::lround(parameters.corner_window * cell));
   return std::clamp(window, parameters.corner_window_min, parameters.corner_window_max);
 }

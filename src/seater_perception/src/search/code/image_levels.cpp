@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "numerics/fast_normal.h"
+#include "numerics/vector_clones.h"
 
 namespace seater_perception {
 namespace {
@@ -43,12 +43,6 @@ SquareToQuad::SquareToQuad(const Quad& q) {
   unit.col(2) << q[0], 1.0;
   centred << 0.5, 0.0, 0.5, 0.0, 0.5, 0.5, 0.0, 0.0, 1.0;
   H_ = unit * centred;
-}
-
-double meanSide(const Quad& q) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) sum += (q[(i + 1) % 4] - q[i]).norm();
-  return 0.25 * sum;
 }
 
 namespace {

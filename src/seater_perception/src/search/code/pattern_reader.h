@@ -7,10 +7,10 @@
 #include <set>
 #include <vector>
 
+#include "numerics/quad.h"
 #include "search/code/image_levels.h"
 #include "search/code/pattern_template.h"
 #include "search/code/shadow_edge.h"
-#include "search/outline/quad_search.h"
 #include "seater_perception/marker_family.h"
 
 namespace seater_perception {

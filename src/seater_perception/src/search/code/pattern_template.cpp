@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "marker/photometric_model.h"
+#include "numerics/normal.h"
 
 namespace seater_perception {
 namespace {
@@ -29,8 +30,7 @@ MarkerPattern withDarkRing(const MarkerPattern& pattern) {
 
 /// Mean over the two points of a cell along one axis.
 double shareAlong(double sd) {
-  const auto below = [sd](double at) { return 0.5 * std::erfc(-at / (sd * M_SQRT2)); };
-  return below(1.0 - kQuarter) - below(-kQuarter);
+  return normalDistribution((1.0 - kQuarter) / sd) - normalDistribution(-kQuarter / sd);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "numerics/normal.h"
+
 namespace seater_perception {
 namespace {
 
@@ -69,10 +71,6 @@ std::vector<Eigen::Vector2d> crossings(const std::vector<RingSample>& ring, doub
   return places;
 }
 
-double normalShare(double x) {
-  return 0.5 * std::erfc(-x * M_SQRT1_2);
-}
-
 /// How far out a pixel lies in a region: 0 in the middle, 1 at its border.
 double eccentricity(const cv::Rect& region, const cv::Point& p) {
   const double x = (2.0 * (p.x - region.x) + 1.0) / region.width - 1.0;
@@ -108,7 +106,7 @@ double widthOf(const std::vector<RingSample>& ring, const Levels& levels, const 
 }  // namespace
 
 double ShadowEdge::light(const Eigen::Vector2d& p) const {
-  return factor + (1.0 - factor) * normalShare((normal.dot(p) - offset) / width);
+  return factor + (1.0 - factor) * normalDistribution((normal.dot(p) - offset) / width);
 }
 
 ShadowEdge ShadowEdge::seenFrom(const Eigen::Vector2d& origin) const {
@@ -141,8 +139,7 @@ std::optional<ShadowEdge> findShadowEdge(const PatternGrid& grid, const ImageLev
   }
   if (side < 0.0) shadow.normal = -shadow.normal, shadow.offset = -shadow.offset;
   shadow.width = widthOf(ring, levels, map, meanSide(quad) / grid.cells(), shadow);
-  Eigen::Vector2d low = quad[0], high = quad[0];
-  for (const auto& c : quad) low = low.cwiseMin(c), high = high.cwiseMax(c);
+  const Eigen::Vector2d low = boundingBox(quad).min(), high = boundingBox(quad).max();
   const double margin = kMargin * meanSide(quad);
   shadow.region =
       cv::Rect(cv::Point(cv::saturate_cast<int>(low.x() - margin), cv::saturate_cast<int>(low.y() - margin)),

@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "numerics/column_products.h"
-#include "numerics/fast_normal.h"
+#include "numerics/normal.h"
+#include "numerics/vector_clones.h"
 
 namespace seater_perception {
 namespace {
@@ -235,9 +236,8 @@ std::optional<Eigen::Vector2d> meet(const Side& side, const Side& next) {
   return side.point(t[0]);
 }
 
-std::optional<FittedEdges> fitOnce(const cv::Mat& grey, const std::array<Eigen::Vector2d, 4>& corners,
-                                   double half_band) {
-  const Eigen::Vector2d inside = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+std::optional<FittedEdges> fitOnce(const cv::Mat& grey, const Quad& corners, double half_band) {
+  const Eigen::Vector2d inside = centre(corners);
   std::array<Side, 4> sides;  // side i: from corner i to corner i + 1
   for (std::size_t i = 0; i < 4; ++i) {
     sides[i] = between(corners[i], corners[(i + 1) % 4], inside);
@@ -257,9 +257,8 @@ std::optional<FittedEdges> fitOnce(const cv::Mat& grey, const std::array<Eigen::
 
 }  // namespace
 
-std::optional<FittedEdges> fitEdges(const cv::Mat& grey, const std::array<Eigen::Vector2d, 4>& corners,
-                                    double half_band) {
-  std::array<Eigen::Vector2d, 4> from = corners;
+std::optional<FittedEdges> fitEdges(const cv::Mat& grey, const Quad& corners, double half_band) {
+  Quad from = corners;
   for (int pass = 0; pass < kPasses; ++pass) {
     const auto result = fitOnce(grey, from, half_band);
     if (!result) return std::nullopt;

@@ -61,15 +61,10 @@ double areaOf(const Quad& q) {
 /// pixels, is inside of the edge.
 bool accept(double min_side, Quad& quad) {
   if (areaOf(quad) < 0.0) std::swap(quad[1], quad[3]);
-  const Eigen::Vector2d centre = 0.25 * (quad[0] + quad[1] + quad[2] + quad[3]);
-  double shortest = std::numeric_limits<double>::infinity(), longest = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double side = (quad[(i + 1) % 4] - quad[i]).norm();
-    shortest = std::min(shortest, side);
-    longest = std::max(longest, side);
-  }
+  const Eigen::Vector2d middle = centre(quad);
+  const double shortest = shortestSide(quad), longest = longestSide(quad);
   if (shortest + 1.0 < min_side || longest > kLargestRatio * shortest) return false;
-  for (auto& c : quad) c += 0.5 * M_SQRT2 * (c - centre).normalized();
+  for (auto& c : quad) c += 0.5 * M_SQRT2 * (c - middle).normalized();
   return true;
 }
 
