@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "image/image_checks.h"
-#include "search/code/pattern_reader.h"
+#include "search/code/marker_decoder.h"
 #include "search/opencv_search.h"
 #include "search/outline/edge_fit.h"
 #include "search/outline/quad_search.h"
@@ -28,13 +28,13 @@ struct Found {
   std::set<int> doubtful;  // seen at two places
 };
 
-MarkerCorners cornersOf(const PatternReading& reading) {
+MarkerCorners cornersOf(const DecodedMarker& decoded) {
   MarkerCorners marker;
-  marker.id = reading.id;
-  marker.corners = reading.corners;
-  marker.code_blur = reading.blur;
-  marker.dark = reading.dark;
-  marker.contrast = reading.contrast;
+  marker.id = decoded.id;
+  marker.corners = decoded.corners;
+  marker.template_level = decoded.template_level;
+  marker.dark = decoded.dark;
+  marker.contrast = decoded.contrast;
   return marker;
 }
 
@@ -71,7 +71,7 @@ std::vector<MarkerCorners> uniqueMarkers(const std::vector<MarkerCorners>& found
 struct MarkerDetector::Implementation {
   MarkerFamily family;
   DetectorParameters parameters;
-  PatternReader reader;
+  MarkerDecoder decoder;
   OpenCvSearch opencv;
 
   std::vector<MarkerCorners> search(const ImageLevels& image, std::set<int>& doubtful, bool strong_shadows) const;
@@ -79,7 +79,7 @@ struct MarkerDetector::Implementation {
   SearchResult finish(const cv::Mat& grey, Found& found) const;
   std::vector<MarkerCorners> byOwnSearch(const ImageLevels& image, const cv::Rect& region, bool strong_shadows) const;
   std::optional<MarkerCorners> inShadow(const ImageLevels& image, const Quad& quad,
-                                        const std::optional<PatternReading>& so_far) const;
+                                        const std::optional<DecodedMarker>& so_far) const;
   std::optional<MarkerCorners> outlineNear(const ImageLevels& image, const ExpectedMarker& expected) const;
   std::optional<FittedEdges> edges(const cv::Mat& grey, const MarkerCorners& marker) const;
   void refine(const cv::Mat& grey, MarkerCorners& marker) const;
@@ -95,10 +95,10 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const Ima
   std::vector<MarkerCorners> markers;
   for (Quad quad : findQuads(image.grey()(region), search)) {
     for (auto& corner : quad) corner += Eigen::Vector2d(region.x, region.y);
-    std::optional<PatternReading> reading;
-    if (!strong_shadows) reading = reader.read(image, quad, parameters.min_evidence);
-    std::optional<MarkerCorners> marker = inShadow(image, reading ? reading->corners : quad, reading);
-    if (!marker && reading) marker = cornersOf(*reading);
+    std::optional<DecodedMarker> decoded;
+    if (!strong_shadows) decoded = decoder.decode(image, quad, parameters.min_evidence);
+    std::optional<MarkerCorners> marker = inShadow(image, decoded ? decoded->corners : quad, decoded);
+    if (!marker && decoded) marker = cornersOf(*decoded);
     if (marker && marker->side() >= parameters.min_side) markers.push_back(*marker);
   }
   return markers;
@@ -116,8 +116,8 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::search(const ImageLev
 
 /// What can be read, or better than so far, once a shadow's edge across it is taken away.
 std::optional<MarkerCorners> MarkerDetector::Implementation::inShadow(
-    const ImageLevels& image, const Quad& quad, const std::optional<PatternReading>& so_far) const {
-  const auto shadow = reader.shadowEdge(image, quad);
+    const ImageLevels& image, const Quad& quad, const std::optional<DecodedMarker>& so_far) const {
+  const auto shadow = decoder.shadowEdge(image, quad);
   if (!shadow) return std::nullopt;
   const cv::Rect part = shadow->region & cv::Rect(0, 0, image.grey().cols, image.grey().rows);
   if (part.width < kSmallestRegion || part.height < kSmallestRegion) return std::nullopt;
@@ -125,10 +125,10 @@ std::optional<MarkerCorners> MarkerDetector::Implementation::inShadow(
   const cv::Mat lit = withoutShadows(image.grey()(part), {shadow->seenFrom(origin)});
   Quad there = quad;
   for (auto& corner : there) corner -= origin;
-  auto reading = reader.read(ImageLevels(lit), there, parameters.min_evidence);
-  if (!reading || (so_far && (reading->id != so_far->id || reading->evidence < so_far->evidence))) return std::nullopt;
-  for (auto& corner : reading->corners) corner += origin;
-  MarkerCorners marker = cornersOf(*reading);
+  auto decoded = decoder.decode(ImageLevels(lit), there, parameters.min_evidence);
+  if (!decoded || (so_far && (decoded->id != so_far->id || decoded->evidence < so_far->evidence))) return std::nullopt;
+  for (auto& corner : decoded->corners) corner += origin;
+  MarkerCorners marker = cornersOf(*decoded);
   marker.shadow = shadow;
   return marker;
 }
@@ -179,15 +179,15 @@ std::optional<MarkerCorners> MarkerDetector::Implementation::outlineNear(const I
 void MarkerDetector::Implementation::searchNear(const ImageLevels& image, const std::vector<ExpectedMarker>& expected,
                                                 Found& found) const {
   for (const ExpectedMarker& e : expected) {
-    const auto reading = reader.follow(e.id, image, e.corners, e.reach, e.min_evidence, e.code_blur);
+    const auto decoded = decoder.decodeNear(e.id, image, e.corners, e.reach, e.min_evidence, e.template_level);
     std::optional<MarkerCorners> marker;
-    if (reading) marker = inShadow(image, reading->corners, reading);
-    if (!marker && reading)
-      marker = cornersOf(*reading);
+    if (decoded) marker = inShadow(image, decoded->corners, decoded);
+    if (!marker && decoded)
+      marker = cornersOf(*decoded);
     else if (!marker && e.by_outline)
       marker = outlineNear(image, e);
     if (!marker) continue;
-    if (e.edges || !reading || !(reading->contrast > 0.0)) found.coarse.insert(marker->id);
+    if (e.edges || !decoded || !(decoded->contrast > 0.0)) found.coarse.insert(marker->id);
     found.markers.push_back(*marker);
   }
 }
@@ -211,7 +211,7 @@ SearchResult MarkerDetector::Implementation::finish(const cv::Mat& grey, Found& 
 
 MarkerDetector::MarkerDetector(const MarkerFamily& family, const DetectorParameters& parameters,
                                const std::set<int>& ids)
-    : implementation_(new Implementation{requireMarkers(family), parameters, PatternReader(family, ids),
+    : implementation_(new Implementation{requireMarkers(family), parameters, MarkerDecoder(family, ids),
                                          OpenCvSearch(family, ids, parameters)}) {}
 
 MarkerDetector::~MarkerDetector() = default;
@@ -240,7 +240,7 @@ SearchResult MarkerDetector::searchNear(const cv::Mat& grey, const std::vector<E
 }
 
 int MarkerDetector::cells() const {
-  return implementation_->reader.cells();
+  return implementation_->decoder.cells();
 }
 
 void MarkerDetector::refine(const cv::Mat& grey, MarkerCorners& marker) const {

@@ -23,8 +23,8 @@ struct MarkerCorners {
       false;  ///< true: corners are intersections of fitted edges; false: of the code or cornerSubPix, less accurate
   double corner_sigma = 0.0;          ///< standard deviation of a corner coordinate; 0: as the parameters say [px]
   double blur_sd = 0.0;               ///< of the lens, from fitted edges or grey levels; 0: not known [px]
-  int code_blur = -1;                 ///< PatternReading::blur; -1: not known
-  double dark = 0.0, contrast = 0.0;  ///< as of PatternReading; contrast 0: not to be relied on
+  int template_level = -1;            ///< DecodedMarker::template_level; -1: not known
+  double dark = 0.0, contrast = 0.0;  ///< as of DecodedMarker; contrast 0: not to be relied on
   std::optional<ShadowEdge> shadow;   ///< that lies across it: corners and levels are of withoutShadows
 
   double side() const { return meanSide(corners); }  ///< mean side [px]
@@ -37,7 +37,7 @@ struct ExpectedMarker {
   double reach = 0.0;         ///< how far away it is looked for [px]; 0: only there
   double min_evidence = 0.0;  ///< how well the grey levels have to fit its code
   bool by_outline = true;     ///< and by its outline, when its code does not show there
-  int code_blur = -1;         ///< as of MarkerCorners in the last image; -1: not known
+  int template_level = -1;    ///< as of MarkerCorners in the last image; -1: not known
   bool edges = true;          ///< false: no edges are fitted where the code shows clearly
 };
 
@@ -50,7 +50,7 @@ struct SearchResult {
   std::set<int> doubtful;  ///< ids that stand at two places: left out, nothing tells which one is meant
 };
 
-/// Finds markers of one family and refines their corners. Outlines and ids come from findQuads and PatternReader
+/// Finds markers of one family and refines their corners. Outlines and ids come from findQuads and MarkerDecoder
 /// (`search: own`) or from OpenCV's detectMarkers (`opencv`). Corners: fitEdges where it succeeds; else those of the
 /// fitted code (own), or cornerSubPix with a window that follows each marker's size, so that it never reaches the next
 /// cell of the print (opencv).

@@ -29,7 +29,7 @@ MarkerPattern withDarkRing(const MarkerPattern& pattern) {
 }
 
 /// Mean over the two points of a cell along one axis.
-double shareAlong(double sd) {
+double fractionAlong(double sd) {
   return normalDistribution((1.0 - kQuarter) / sd) - normalDistribution(-kQuarter / sd);
 }
 
@@ -44,13 +44,13 @@ int PatternGrid::ring(int row, int column) const {
   return nearest == 0 ? 0 : nearest <= 2 * border_ ? 1 : 2;
 }
 
-PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, double blur)
-    : PatternTemplate(grid, pattern, Eigen::Matrix2d(blur * blur * Eigen::Matrix2d::Identity())) {}
+PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, double psf_sd)
+    : PatternTemplate(grid, pattern, Eigen::Matrix2d(psf_sd * psf_sd * Eigen::Matrix2d::Identity())) {}
 
-PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, const Eigen::Matrix2d& blur)
+PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, const Eigen::Matrix2d& psf)
     : columns_(grid.size(), kColumns) {
-  const double sx = std::sqrt(blur(0, 0)), sy = std::sqrt(blur(1, 1)), rho = -blur(0, 1) / (sx * sy);  // pattern: y up
-  own_share_ = shareAlong(sx) * shareAlong(sy);
+  const double sx = std::sqrt(psf(0, 0)), sy = std::sqrt(psf(1, 1)), rho = -psf(0, 1) / (sx * sy);  // pattern: y up
+  own_fraction_ = fractionAlong(sx) * fractionAlong(sy);
   const MarkerPattern dark = withDarkRing(pattern);
   const double half = 0.5 * grid.cells();
   for (int row = 0, i = 0; row < grid.along(); ++row) {
@@ -84,7 +84,7 @@ Eigen::VectorXf PatternTemplate::grey(const Fit& fit) const {
 }
 
 std::optional<PatternTemplate::Fit> PatternTemplate::fit(const Eigen::VectorXf& samples, const Eigen::VectorXf* weights,
-                                                         bool moving) const {
+                                                         bool with_motion) const {
   Eigen::Matrix<double, kColumns, 1> b;
   double squares = 0.0;
   Triangle some;
@@ -117,7 +117,7 @@ std::optional<PatternTemplate::Fit> PatternTemplate::fit(const Eigen::VectorXf& 
   fit.gain = c[kGain];
   fit.quiet = c[kQuiet];
   for (int k = 0; k < kGain; ++k) fit.light[static_cast<std::size_t>(k)] = c[k];
-  if (moving) {
+  if (with_motion) {
     c = L->triangularView<Eigen::Lower>().transpose().solve(z);
     if (!(std::abs(c[kGain]) > kSmallestGain)) return std::nullopt;
     fit.motion = c.tail<8>() / c[kGain];

@@ -28,22 +28,22 @@ TemplateBook::TemplateBook(const MarkerFamily& family, const std::set<int>& ids)
   light_.colwise().normalize();  // the grid is symmetric: they are orthogonal
 }
 
-const PatternTemplate& TemplateBook::of(int id, int blur) const {
-  auto& place = templates_[{id, blur}];
+const PatternTemplate& TemplateBook::of(int id, int level) const {
+  auto& place = templates_[{id, level}];
   if (!place) {
-    place = std::make_unique<PatternTemplate>(grid_, patterns_.at(id), kBlurs[static_cast<std::size_t>(blur)]);
+    place = std::make_unique<PatternTemplate>(grid_, patterns_.at(id), kTemplateSd[static_cast<std::size_t>(level)]);
   }
   return *place;
 }
 
-const Eigen::MatrixXf& TemplateBook::codes(int blur) const {
-  Eigen::MatrixXf& codes = codes_[static_cast<std::size_t>(blur)];
+const Eigen::MatrixXf& TemplateBook::codes(int level) const {
+  Eigen::MatrixXf& codes = codes_[static_cast<std::size_t>(level)];
   if (codes.cols() > 0) return codes;
   codes.resize(grid_.size(), 4 * static_cast<Eigen::Index>(patterns_.size()));
   const int n = grid_.along();
   Eigen::Index k = 0;
   for (const auto& [id, pattern] : patterns_) {
-    const Eigen::VectorXf values = of(id, blur).values();
+    const Eigen::VectorXf values = of(id, level).values();
     for (int turn = 0; turn < 4; ++turn, ++k) {
       for (int row = 0, i = 0; row < n; ++row) {
         for (int column = 0; column < n; ++column, ++i) {
@@ -59,7 +59,7 @@ const Eigen::MatrixXf& TemplateBook::codes(int blur) const {
   return codes;
 }
 
-std::vector<TemplateBook::Candidate> TemplateBook::compare(const ImageLevels::Samples& samples, int blur,
+std::vector<TemplateBook::Candidate> TemplateBook::compare(const ImageLevels::Samples& samples, int level,
                                                            std::size_t count) const {
   std::vector<Candidate> best;
   if (patterns_.empty() || samples.seen == 0) return best;
@@ -70,7 +70,7 @@ std::vector<TemplateBook::Candidate> TemplateBook::compare(const ImageLevels::Sa
   const Eigen::VectorXf rest = samples.grey - seen * light;
   const float length = rest.norm();
   if (!(length > 0.0f) || !std::isfinite(length)) return best;
-  const Eigen::MatrixXf& known = codes(blur);
+  const Eigen::MatrixXf& known = codes(level);
   Eigen::VectorXf all(known.cols());
   columnDots(known.data(), static_cast<int>(known.rows()), static_cast<int>(known.cols()), rest.data(), all.data());
   all /= length;

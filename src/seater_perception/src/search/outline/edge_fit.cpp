@@ -14,18 +14,18 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kSkippedEnd = 2.5;        // [px] of each end of a side: the blurred corner; and at most
+constexpr double kSkippedEnd = 2.5;        // [px] of each end of a side: the rounded corner; and at most
 constexpr double kSkippedPart = 0.2;       // of the half side
 constexpr double kShortestFit = 8.0;       // [px] a shorter side has too few pixels
 constexpr double kBentFrom = 60.0;         // [px] from this length on, a side may be a parabola
 constexpr double kSmallestContrast = 8.0;  // [grey levels] between light and dark
 constexpr double kLargestResidual = 0.15;  // rms, of the contrast: more is not one edge
-constexpr double kDark = 0.1;  // share of the samples that are darker than what is taken for dark, to begin with
+constexpr double kDark = 0.1;  // fraction of the samples that are darker than what is taken for dark, to begin with
 constexpr int kSteps = 12, kPasses = 3;
 constexpr double kLargestMove = 1.5, kSmallMove = 0.6;  // of a corner in one pass, in half bands
 constexpr double kDone = 1e-3;                          // [px]
-constexpr double kSamples = 2400.0;    // of a side are enough; a longer side gives every third, fifth ... pixel
-constexpr double kSmallestBlur = 0.1;  // [px] that is told of a lens
+constexpr double kSamples = 2400.0;   // of a side are enough; a longer side gives every third, fifth ... pixel
+constexpr double kSmallestPsf = 0.1;  // [px] that is reported of a lens
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
@@ -47,7 +47,7 @@ struct Samples {
 struct Side {
   Eigen::Vector2d middle, along, outward;  // unit vectors
   double half = 0.0;                       // half length [px]
-  double width = 0.0;                      // standard deviation of the step's blur [px]
+  double width = 0.0;                      // edge width: standard deviation of the step [px]
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
 
   double at(double t) const { return offset[0] + t * (offset[1] + t * offset[2]); }
@@ -111,16 +111,16 @@ using Step = Vector6d;
 /// From the samples' mean, which tells how much of the band is light: the edge's place, here and along the side.
 Step start(const Side& side, const Samples& samples, double band) {
   std::vector<float> sorted = samples.grey;
-  const auto at = [&sorted](double share) {
-    const auto place = sorted.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(sorted.size() - 1));
+  const auto at = [&sorted](double fraction) {
+    const auto place = sorted.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(sorted.size() - 1));
     std::nth_element(sorted.begin(), place, sorted.end());
     return static_cast<double>(*place);
   };
   const double dark = at(kDark), light = std::max(dark + 1.0, at(1.0 - kDark));
   double n = 0.0, t = 0.0, tt = 0.0, y = 0.0, ty = 0.0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const double share = std::clamp((samples.grey[i] - dark) / (light - dark), 0.0, 1.0);
-    const double inwards = band * (1.0 - 2.0 * share), along = samples.t[i];
+    const double light_part = std::clamp((samples.grey[i] - dark) / (light - dark), 0.0, 1.0);
+    const double inwards = band * (1.0 - 2.0 * light_part), along = samples.t[i];
     n += 1.0, t += along, tt += along * along, y += inwards, ty += along * inwards;
   }
   const double slope = (n * ty - t * y) / std::max(1e-9, n * tt - t * t);
@@ -251,7 +251,7 @@ std::optional<FittedEdges> fitOnce(const cv::Mat& grey, const Quad& corners, dou
     result.corners[i] = *corner;
     variance += 0.25 * sides[i].width * sides[i].width;
   }
-  result.blur_sd = std::sqrt(std::max(kSmallestBlur * kSmallestBlur, variance - 1.0 / 12.0));
+  result.blur_sd = std::sqrt(std::max(kSmallestPsf * kSmallestPsf, variance - 1.0 / 12.0));
   return result;
 }
 

@@ -1,4 +1,4 @@
-#include "search/code/pattern_reader.h"
+#include "search/code/marker_decoder.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ constexpr double kSmallestMargin = 0.045;  // of correlation, over the next best
 constexpr double kLargestBitError = 0.9;   // of what turns a bit round
 constexpr double kCostOfCovered = 0.25;    // of evidence, for each sample left out: what is chosen proves less
 constexpr double kDarkestQuiet = -0.7, kLightestQuiet = 0.5;  // of the contrast, over the print's white
-constexpr double kPerhapsMoving = 0.5;                        // part explained without motion
+constexpr double kPerhapsMotion = 0.5;                        // part explained without motion
 constexpr double kHopeless = 0.2;                             // part explained after some steps
 constexpr double kGridStep = 0.5, kMostGridSteps = 10.0;      // [cells] and number: search for a code alone
 
@@ -30,66 +30,67 @@ Quad printed(const Quad& quad, int turn) {
 
 }  // namespace
 
-struct PatternReader::Implementation {
+struct MarkerDecoder::Implementation {
   Implementation(const MarkerFamily& family, const std::set<int>& ids) : book(family, ids), aligner(book) {}
 
   TemplateBook book;
   PatternAligner aligner;
 
-  std::optional<PatternReading> judge(double min_evidence, const Alignment& a) const;
-  std::optional<PatternReading> settle(const ImageLevels& image, double min_evidence, Alignment& a) const;
-  std::optional<PatternReading> moving(const ImageLevels& image, double min_evidence, const Alignment& still) const;
+  std::optional<DecodedMarker> judge(double min_evidence, const Alignment& a) const;
+  std::optional<DecodedMarker> settle(const ImageLevels& image, double min_evidence, Alignment& a) const;
+  std::optional<DecodedMarker> motionBlurred(const ImageLevels& image, double min_evidence,
+                                             const Alignment& still) const;
 };
 
 /// Code, margin and bits of an aligned pattern.
-std::optional<PatternReading> PatternReader::Implementation::judge(double min_evidence, const Alignment& a) const {
-  PatternReading reading;
-  reading.id = a.id;
-  reading.corners = a.quad;
-  reading.blur = a.blur;
-  reading.dark = a.fit.light[0];
-  reading.contrast = a.moving || a.free.size() > 0 ? 0.0 : a.fit.gain;
-  reading.correlation = std::sqrt(std::max(0.0, a.fit.explained));
+std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(double min_evidence, const Alignment& a) const {
+  DecodedMarker decoded;
+  decoded.id = a.id;
+  decoded.corners = a.quad;
+  decoded.template_level = a.level;
+  decoded.dark = a.fit.light[0];
+  decoded.contrast = a.motion_blurred || a.free.size() > 0 ? 0.0 : a.fit.gain;
+  decoded.correlation = std::sqrt(std::max(0.0, a.fit.explained));
   if (!aligner.hasBorder(a.samples)) return std::nullopt;
   if (a.fit.quiet < kDarkestQuiet * a.fit.gain || a.fit.quiet > kLightestQuiet * a.fit.gain) return std::nullopt;
-  reading.worst_bit = aligner.worstBit(a);
-  if (!(reading.worst_bit < kLargestBitError)) return std::nullopt;
-  const double unexplained = 1.0 - reading.correlation * reading.correlation;
-  reading.evidence = -std::log(std::max(1e-9, unexplained * reading.worst_bit)) - kCostOfCovered * a.covered();
-  if (reading.evidence < min_evidence) return std::nullopt;
-  const auto likely = book.compare(a.samples, a.blur, 2);
+  decoded.worst_bit = aligner.worstBit(a);
+  if (!(decoded.worst_bit < kLargestBitError)) return std::nullopt;
+  const double unexplained = 1.0 - decoded.correlation * decoded.correlation;
+  decoded.evidence = -std::log(std::max(1e-9, unexplained * decoded.worst_bit)) - kCostOfCovered * a.covered();
+  if (decoded.evidence < min_evidence) return std::nullopt;
+  const auto likely = book.compare(a.samples, a.level, 2);
   if (likely.empty() || likely[0].id != a.id || likely[0].turn != 0) return std::nullopt;
-  reading.margin = likely.size() > 1 ? likely[0].correlation - likely[1].correlation : 1.0;
-  if (reading.margin < kSmallestMargin) return std::nullopt;
-  return reading;
+  decoded.margin = likely.size() > 1 ? likely[0].correlation - likely[1].correlation : 1.0;
+  if (decoded.margin < kSmallestMargin) return std::nullopt;
+  return decoded;
 }
 
 /// Fits and judges; when it fails, once more without what covers the print.
-std::optional<PatternReading> PatternReader::Implementation::settle(const ImageLevels& image, double min_evidence,
-                                                                    Alignment& a) const {
-  const auto reading = judge(min_evidence, a);
-  if (reading || !aligner.leaveOutCovered(a)) return reading;
+std::optional<DecodedMarker> MarkerDecoder::Implementation::settle(const ImageLevels& image, double min_evidence,
+                                                                   Alignment& a) const {
+  const auto decoded = judge(min_evidence, a);
+  if (decoded || !aligner.leaveOutCovered(a)) return decoded;
   return aligner.align(image, a) ? judge(min_evidence, a) : std::nullopt;
 }
 
 /// What looks like the code, but not sharp enough: perhaps the image moved.
-std::optional<PatternReading> PatternReader::Implementation::moving(const ImageLevels& image, double min_evidence,
-                                                                    const Alignment& still) const {
-  if (still.fit.explained < kPerhapsMoving) return std::nullopt;
+std::optional<DecodedMarker> MarkerDecoder::Implementation::motionBlurred(const ImageLevels& image, double min_evidence,
+                                                                          const Alignment& still) const {
+  if (still.fit.explained < kPerhapsMotion) return std::nullopt;
   Alignment a = still;
-  return aligner.alignMoving(image, a) ? judge(min_evidence, a) : std::nullopt;
+  return aligner.alignMotionBlurred(image, a) ? judge(min_evidence, a) : std::nullopt;
 }
 
-PatternReader::PatternReader(const MarkerFamily& family, const std::set<int>& ids)
+MarkerDecoder::MarkerDecoder(const MarkerFamily& family, const std::set<int>& ids)
     : implementation_(new Implementation(family, ids)) {}
-PatternReader::~PatternReader() = default;
-PatternReader::PatternReader(PatternReader&&) noexcept = default;
+MarkerDecoder::~MarkerDecoder() = default;
+MarkerDecoder::MarkerDecoder(MarkerDecoder&&) noexcept = default;
 
-int PatternReader::cells() const {
+int MarkerDecoder::cells() const {
   return implementation_->book.grid().cells();
 }
 
-std::optional<ShadowEdge> PatternReader::shadowEdge(const ImageLevels& image, const Quad& quad) const {
+std::optional<ShadowEdge> MarkerDecoder::shadowEdge(const ImageLevels& image, const Quad& quad) const {
   const PatternAligner& aligner = implementation_->aligner;
   Alignment a;
   a.quad = quad;
@@ -97,13 +98,13 @@ std::optional<ShadowEdge> PatternReader::shadowEdge(const ImageLevels& image, co
   return findShadowEdge(implementation_->book.grid(), a.samples, quad);
 }
 
-std::optional<PatternReading> PatternReader::read(const ImageLevels& image, const Quad& quad,
-                                                  double min_evidence) const {
+std::optional<DecodedMarker> MarkerDecoder::decode(const ImageLevels& image, const Quad& quad,
+                                                   double min_evidence) const {
   const Implementation& self = *implementation_;
   Alignment start;
   start.quad = quad;
   if (!self.aligner.look(image, start) || !self.aligner.hasBorder(start.samples)) return std::nullopt;
-  const auto likely = self.book.compare(start.samples, Alignment::kStartBlur, kCandidates);
+  const auto likely = self.book.compare(start.samples, Alignment::kStartLevel, kCandidates);
   for (const auto& candidate : likely) {
     if (candidate.correlation < std::max(kWorthFitting, likely[0].correlation - kClearlyBetter)) break;
     Alignment a;
@@ -111,33 +112,33 @@ std::optional<PatternReading> PatternReader::read(const ImageLevels& image, cons
     a.quad = printed(quad, candidate.turn);
     if (!self.aligner.align(image, a)) continue;
     // When another code is as likely, that is seen here too.
-    if (const auto reading = self.settle(image, min_evidence, a)) return reading;
+    if (const auto decoded = self.settle(image, min_evidence, a)) return decoded;
   }
   return std::nullopt;
 }
 
-std::optional<PatternReading> PatternReader::follow(int id, const ImageLevels& image, const Quad& corners, double reach,
-                                                    double min_evidence, int blur) const {
+std::optional<DecodedMarker> MarkerDecoder::decodeNear(int id, const ImageLevels& image, const Quad& corners,
+                                                       double reach, double min_evidence, int template_level) const {
   const Implementation& self = *implementation_;
   if (!self.book.has(id)) return std::nullopt;
   Alignment a;
   a.id = id;
   a.quad = corners;
-  if (blur >= 0 && blur < static_cast<int>(TemplateBook::kBlurs.size())) {
+  if (template_level >= 0 && template_level < static_cast<int>(TemplateBook::kTemplateSd.size())) {
     Alignment same = a;
-    same.blur = blur;
+    same.level = template_level;
     if (self.aligner.align(image, same)) {
-      if (const auto reading = self.judge(min_evidence, same)) return reading;
+      if (const auto decoded = self.judge(min_evidence, same)) return decoded;
     }
   }
   if (self.aligner.align(image, a)) {
-    if (const auto reading = self.settle(image, min_evidence, a)) return reading;
-    if (const auto reading = self.moving(image, min_evidence, a)) return reading;
+    if (const auto decoded = self.settle(image, min_evidence, a)) return decoded;
+    if (const auto decoded = self.motionBlurred(image, min_evidence, a)) return decoded;
   }
   if (!(reach > 0.0)) return std::nullopt;
   const double step = std::max(1.0, kGridStep * meanSide(corners) / self.book.grid().cells());
   const int steps = static_cast<int>(std::min(kMostGridSteps, reach / step));
-  const PatternTemplate& pattern = self.book.of(id, Alignment::kStartBlur);
+  const PatternTemplate& pattern = self.book.of(id, Alignment::kStartLevel);
   Alignment best = a;
   best.fit.explained = 0.0;
   for (int y = -steps; y <= steps; ++y) {
@@ -152,8 +153,8 @@ std::optional<PatternReading> PatternReader::follow(int id, const ImageLevels& i
     }
   }
   if (best.fit.explained < kHopeless || !self.aligner.align(image, best)) return std::nullopt;
-  if (const auto reading = self.settle(image, min_evidence, best)) return reading;
-  return self.moving(image, min_evidence, best);
+  if (const auto decoded = self.settle(image, min_evidence, best)) return decoded;
+  return self.motionBlurred(image, min_evidence, best);
 }
 
 }  // namespace seater_perception
