@@ -15,11 +15,14 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kCoarseBand = 0.25;  // [cells] half width of the band for corners that are still some pixels off
-constexpr int kSmallestRegion = 12;   // [px]
-// [px] of the threshold when strong shadows are looked for: with a wider one, their edge grows together with the
-// print's border.
-constexpr int kNarrowWindow = 7;
+// Of a large marker, corners of the fitted code are 0.03 cells off, which may be more than `edge_band_max`. A quarter
+// of a cell holds that and leaves the inner edge of the border out.
+constexpr double kCoarseBand = 0.25;  // [cells] half width of the band
+// Chosen by hand: smaller than a marker of the default `min_side` with its quiet zone.
+constexpr int kSmallestRegion = 12;  // [px]
+// With a wider threshold window, the edge of a strong shadow grows together with the print's border. Chosen by hand,
+// with perception_shadows.
+constexpr int kNarrowWindow = 7;  // [px]
 
 /// Markers on their way to a result.
 struct Found {

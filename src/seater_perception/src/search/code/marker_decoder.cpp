@@ -9,17 +9,24 @@
 namespace seater_perception {
 namespace {
 
+// Before the fit, corners are up to a third of a cell off and correlations low. What is tried then was chosen by hand:
+// it costs time (perception_speed), and what is not tried is not found (plain_markers_test, perception_range).
 constexpr std::size_t kCandidates = 6;  // codes that are fitted
 constexpr double kClearlyBetter = 0.2;  // of correlation: a code so much less likely than the best is not
 constexpr double kWorthFitting = 0.5;   // correlation before the fit
-// What true markers and images without markers reach: docs/perception.md.
+// What true markers and images without markers reach: the table "Evidence of a code" in docs/perception.md, and
+// perception_range (false detections, far end).
 constexpr double kSmallestMargin = 0.045;  // of correlation, over the next best code
-constexpr double kLargestBitError = 0.9;   // of what turns a bit round
+constexpr double kLargestBitError = 0.9;   // of what turns a bit round: at 1 it would read as its opposite
 constexpr double kCostOfCovered = 0.25;    // of evidence, for each sample left out: what is chosen proves less
+// Prints cut close on a grey wall (plain_markers_test: down to 0.4 of the contrast below white) or on a white one. The
+// limits were chosen by hand; beyond the lower one, the quiet zone would be nearer to the ink than to the paper.
 constexpr double kDarkestQuiet = -0.7, kLightestQuiet = 0.5;  // of the contrast, over the print's white
-constexpr double kPerhapsMotion = 0.5;                        // part explained without motion
-constexpr double kHopeless = 0.2;                             // part explained after some steps
-constexpr double kGridStep = 0.5, kMostGridSteps = 10.0;      // [cells] and number: search for a code alone
+// Chosen by hand; it saves the time of eight more fits. tracker_cases_test draws motion blur up to 2.4 cells.
+constexpr double kPerhapsMotion = 0.5;  // part explained without motion
+// Half a cell's step leaves every place within about the fit's own reach, a third of a cell.
+constexpr double kGridStep = 0.5;        // [cells] of the search for a code alone
+constexpr double kMostGridSteps = 10.0;  // to each side: bounds the time of a wide `reach`
 
 /// The print's corners of a quadrilateral whose first corner is the print's corner `turn`.
 Quad printed(const Quad& quad, int turn) {
@@ -152,7 +159,7 @@ std::optional<DecodedMarker> MarkerDecoder::decodeNear(int id, const ImageLevels
       if (fit && fit->gain > 0.0 && fit->explained > best.fit.explained) best = there, best.fit = *fit;
     }
   }
-  if (best.fit.explained < kHopeless || !self.aligner.align(image, best)) return std::nullopt;
+  if (best.fit.explained < PatternAligner::kHopeless || !self.aligner.align(image, best)) return std::nullopt;
   if (const auto decoded = self.settle(image, min_evidence, best)) return decoded;
   return self.motionBlurred(image, min_evidence, best);
 }

@@ -9,7 +9,7 @@ namespace seater_perception {
 
 /// A code on its way to the image.
 struct Alignment {
-  /// Wide enough to pull from a third of a cell away.
+  /// 0.36 cells: wide enough to pull from a third of a cell away.
   static constexpr int kStartLevel = 6;
 
   int id = 0;
@@ -29,6 +29,9 @@ struct Alignment {
 /// level.
 class PatternAligner {
  public:
+  /// Part explained, below which a fit is given up. Chosen by hand, far below what a marker explains in the end.
+  static constexpr double kHopeless = 0.2;
+
   explicit PatternAligner(const TemplateBook& book) : book_(book) {}
 
   /// Samples the image under the quadrilateral; false when too little of it is in the image.

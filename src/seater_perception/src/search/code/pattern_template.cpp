@@ -10,10 +10,11 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kQuarter = 0.25;       // [cells] of the points from the cells' borders
-constexpr double kDamping = 1e-5;       // of the normal equations' diagonal: motions that the samples do not tell
-constexpr double kFewest = 4.0;         // samples for each unknown
-constexpr double kSmallestGain = 1e-3;  // [grey levels]
+constexpr double kQuarter = 0.25;  // [cells] of the points from the cells' borders: two points a cell, evenly spaced
+// Above what single precision leaves of sums over some 200 samples; damps motions that the samples do not tell.
+constexpr double kDamping = 1e-5;       // of the normal equations' diagonal
+constexpr double kFewest = 4.0;         // samples for each unknown; chosen by hand
+constexpr double kSmallestGain = 1e-3;  // [grey levels] less would divide by nothing
 
 /// The pattern with a black ring instead of its quiet zone; its coordinates are a cell larger.
 MarkerPattern withDarkRing(const MarkerPattern& pattern) {
