@@ -26,7 +26,7 @@ MarkerCorners seenAt(const Eigen::Isometry3d& pose) {
 MarkerEstimate known(const Eigen::Isometry3d& pose, double rotation_sd = 0.02) {
   MarkerEstimate marker;
   marker.image = seenAt(pose);
-  marker.image.blur_sd = 0.9;
+  marker.image.psf_sd = 0.9;
   marker.size = kSide;
   marker.hypotheses.resize(1);
   marker.hypotheses[0].pose = pose;
@@ -71,7 +71,7 @@ TEST(ExpectedMarker, posesFollowTheCorners) {
     ASSERT_EQ(expected->hypotheses.size(), 1u) << "0.5 rad are decided";
     EXPECT_LT(farthestCorner(expected->best().pose, seen), 0.1) << z;
     EXPECT_LT(turn(expected->best().pose, now), 0.015) << z;
-    EXPECT_EQ(expected->image.blur_sd, 0.9);
+    EXPECT_EQ(expected->image.psf_sd, 0.9);
   }
 }
 

@@ -185,7 +185,7 @@ bool compareWithCorners(const PhotometricContext& context, const MarkerEstimate&
   // Corners that no edge confirms may be some tenths of a cell off, those of blurred edges some tenths of the blur.
   const double side = marker.image.side();
   const double coarse =
-      marker.image.edges_fitted ? kBlurredCorners * marker.image.blur_sd : kCoarseCorners * side / cells;
+      marker.image.edges_fitted ? kBlurredCorners * marker.image.psf_sd : kCoarseCorners * side / cells;
   const double limit = largestError(side, context.pose) + coarse;
   const auto unbelievable = [&](const PoseHypothesis& h) { return !meaningful(h) || h.error > limit; };
   hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), unbelievable), hypotheses.end());
@@ -203,7 +203,7 @@ const MarkerPattern& PatternBook::of(int id) {
 RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& prior, const MarkerEstimate& marker,
                            bool tracked) {
   MarkerFits fits(context, marker, tracked);
-  const double psf_sd = marker.image.edges_fitted || tracked ? marker.image.blur_sd : 0.0;
+  const double psf_sd = marker.image.edges_fitted || tracked ? marker.image.psf_sd : 0.0;
   auto hypotheses = fits.fit(context.refiner, psf_sd);
   if (tracked && (hypotheses.empty() || fits.misfit() > kMisfit)) return {MarkerOutcome::doubtful, marker};
   if (hypotheses.empty() && psf_sd > 0.0) hypotheses = fits.fit(context.refiner, 0.0);
@@ -223,7 +223,7 @@ RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& p
     return {MarkerOutcome::corners_kept, marker};
   RefinedMarker refined{MarkerOutcome::refined, marker};
   refined.marker.hypotheses = hypotheses;
-  refined.marker.image.blur_sd = fits.psfSd();
+  refined.marker.image.psf_sd = fits.psfSd();
   placeCorners(context.camera, hypotheses.front(), context.pose.corner_sigma, refined.marker);
   refined.marker.ambiguity = 0.0;
   if (hypotheses.size() > 1) {
@@ -247,7 +247,7 @@ RefinedDock refineDock(const PhotometricContext& context, const DockLayout& layo
   for (const auto& h : dock) initial.push_back(h.pose);
   double sum = 0.0, known = 0.0;
   for (const MarkerEstimate& m : markers) {
-    if (m.image.blur_sd > 0.0) sum += m.image.blur_sd, known += 1.0;
+    if (m.image.psf_sd > 0.0) sum += m.image.psf_sd, known += 1.0;
   }
   const double psf_sd = known > 0.0 ? sum / known : context.refiner.parameters().psf_sd;
   auto hypotheses = distinct(

@@ -59,7 +59,7 @@ std::optional<MarkerEstimate> DetectionPipeline::expected(const MarkerCorners& f
   const auto known = last.find(found.id);
   if (known == last.end() || parameters_.refinement != "photometric") return std::nullopt;
   auto marker = expectedMarker(camera_, known->second, found);
-  const bool usable = marker && marker->image.blur_sd > 0.0 && marker->image.contrast > 0.0;
+  const bool usable = marker && marker->image.psf_sd > 0.0 && marker->image.contrast > 0.0;
   return usable ? marker : std::nullopt;
 }
 
@@ -138,7 +138,7 @@ void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& 
 /// From its corners, with edges; false, and without hypotheses, when they give no pose.
 bool DetectionPipeline::startAgain(const cv::Mat& grey, MarkerEstimate& marker) const {
   MarkerCorners corners = marker.image;
-  corners.blur_sd = corners.edges_fitted ? corners.blur_sd : 0.0;
+  corners.psf_sd = corners.edges_fitted ? corners.psf_sd : 0.0;
   if (!corners.edges_fitted) search_.refine(grey, corners);
   const auto again = estimateMarker(camera_, corners, marker.size, priorOf(corners.id), parameters_.pose);
   marker.hypotheses.clear();

@@ -107,7 +107,7 @@ std::vector<ExpectedMarker> DockTracker::Implementation::expected(const std::map
     const double side = meanSide(corners);
     e.reach = e.by_outline ? std::max(parameters_.margin_min, parameters_.margin * side) : kReachByDock * side;
     if (e.by_outline) {
-      const bool fitted = pipeline_.parameters().refinement == "photometric" && last->image.blur_sd > 0.0;
+      const bool fitted = pipeline_.parameters().refinement == "photometric" && last->image.psf_sd > 0.0;
       e.template_level = last->image.template_level;
       e.edges = !fitted || side > kSmallCell * pipeline_.search().cells();
     }

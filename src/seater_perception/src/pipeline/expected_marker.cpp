@@ -54,7 +54,7 @@ std::optional<MarkerEstimate> expectedMarker(const CameraModel& camera, const Ma
                                              const MarkerCorners& seen) {
   MarkerEstimate marker = last;
   marker.image = seen;
-  if (!(seen.blur_sd > 0.0)) marker.image.blur_sd = last.image.blur_sd;
+  if (!(seen.psf_sd > 0.0)) marker.image.psf_sd = last.image.psf_sd;
   marker.branch_known = decided(last);
   if (marker.hypotheses.size() == 1 && !marker.branch_known) {
     marker.hypotheses.push_back(marker.hypotheses.front());

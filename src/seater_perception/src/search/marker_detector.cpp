@@ -155,7 +155,7 @@ void MarkerDetector::Implementation::refine(const cv::Mat& grey, MarkerCorners& 
   if (const auto fitted = edges(grey, marker)) {
     marker.corners = fitted->corners;
     marker.edges_fitted = true;
-    marker.blur_sd = fitted->blur_sd;
+    marker.psf_sd = fitted->psf_sd;
   }
 }
 

@@ -263,7 +263,7 @@ std::optional<FittedEdges> fitOnce(const cv::Mat& grey, const Quad& corners, dou
     result.corners[i] = *corner;
     variance += 0.25 * sides[i].width * sides[i].width;
   }
-  result.blur_sd = std::sqrt(std::max(kSmallestPsf * kSmallestPsf, variance - 1.0 / 12.0));
+  result.psf_sd = std::sqrt(std::max(kSmallestPsf * kSmallestPsf, variance - 1.0 / 12.0));
   return result;
 }
 

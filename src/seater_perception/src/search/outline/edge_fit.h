@@ -23,7 +23,7 @@ namespace seater_perception {
 /// there. `grey` is CV_8UC1.
 struct FittedEdges {
   Quad corners;
-  double blur_sd = 0.0;  ///< standard deviation of the lens' blur, the pixel's own area not included [px]
+  double psf_sd = 0.0;  ///< standard deviation of the lens' PSF, the pixel's own area not included [px]
 };
 std::optional<FittedEdges> fitEdges(const cv::Mat& grey, const Quad& corners, double half_band);
 
