@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "numerics/skew.h"
 #include "photometric/samples/photometric_limits.h"
 
 namespace seater_perception {
@@ -12,12 +13,6 @@ namespace {
 constexpr double kSlopeSd = 0.3;
 constexpr double kPsfChanged = 1e-9;  // [px^2] rounding changes less
 constexpr double kRimSd = 0.4;        // the same of the rim, in ranges of the sensor
-
-Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
 
 }  // namespace
 
@@ -132,7 +127,7 @@ void PhotometricProblem::toObject(std::size_t m, Buffers& out) const {
   const double per_metre = placement.pattern.cells() / placement.size;
   Matrix6d motion = Matrix6d::Zero();
   motion.topLeftCorner<3, 3>() = per_metre * axes;
-  motion.topRightCorner<3, 3>() = -per_metre * axes * cross(out.state.pose.linear() * T.translation());
+  motion.topRightCorner<3, 3>() = -per_metre * axes * skew(out.state.pose.linear() * T.translation());
   motion.bottomRightCorner<3, 3>() = axes;
   EvaluationPool::Block& block = out.blocks[m];
   block.topRows<6>() = (motion.transpose() * block.topRows<6>()).eval();
