@@ -6,9 +6,8 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kClearlyWorse = 15.0;     // of chi-squared: the corners have decided
-constexpr double kSideForDecision = 40.0;  // [px] smaller markers' corners do not decide
-constexpr double kSteep = 0.17;            // [rad]
+constexpr double kClearlyWorse = 15.0;  // of chi-squared: the corners have decided
+constexpr double kSteep = 0.17;         // [rad]
 
 }  // namespace
 
@@ -41,7 +40,7 @@ std::vector<Eigen::Isometry3d> openPoses(const MarkerEstimate& marker) {
   for (const auto& h : marker.hypotheses) smallest = std::min(smallest, h.chi_squared);
   std::vector<Eigen::Isometry3d> poses;
   for (const auto& h : marker.hypotheses) {
-    const bool decided = marker.image.edges_fitted && marker.image.side() > kSideForDecision;
+    const bool decided = marker.image.edges_fitted && marker.image.side() > kLargeMarker;
     if (!decided || h.chi_squared - smallest < kClearlyWorse) poses.push_back(h.pose);
   }
   return poses;
@@ -49,7 +48,7 @@ std::vector<Eigen::Isometry3d> openPoses(const MarkerEstimate& marker) {
 
 bool otherBranchOpen(const MarkerEstimate& marker, const std::vector<PhotometricBranch>& branches,
                      const std::vector<PoseHypothesis>& hypotheses) {
-  const bool small = marker.image.side() <= kSideForDecision;
+  const bool small = marker.image.side() <= kLargeMarker;
   return small && !marker.branch_known && hypotheses.size() == 1 &&
          std::none_of(branches.begin(), branches.end(), [](const PhotometricBranch& b) { return b.hopeless; });
 }

@@ -8,6 +8,10 @@
 
 namespace seater_perception {
 
+/// [px] side from which on a marker is large: noise in its corners leaves one pose of two, and no longer makes up a
+/// pattern. Chosen by hand.
+constexpr double kLargeMarker = 40.0;
+
 /// The other pose under which a marker far away looks the same: its depths along the line of sight change sign.
 /// Exact for parallel projection; an involution.
 Eigen::Isometry3d mirrored(const Eigen::Isometry3d& T_optical_marker);

@@ -14,7 +14,6 @@ namespace {
 // Part of the image's variance that the pattern has to explain: a small marker has to be proved by it, a large one
 // has been read bit by bit and may be partly covered.
 constexpr double kExplainedSmall = 0.9, kExplainedLarge = 0.85;
-constexpr double kLargeSide = 40.0;                        // [px]
 constexpr double kBeyondScale = 0.15, kLargestPsf = 0.95;  // of the range of grey levels; of a cell
 // Residuals at edges over those of flat pixels, and distance from the fitted edges' corners over its standard
 // deviation: from here on, the print is not what the model says.
@@ -160,7 +159,7 @@ class MarkerFits {
       misfit_ = b.result.flat_noise > 0.0 ? b.result.noise_sd / b.result.flat_noise : 0.0;
       psf_sd_ = b.result.psf_sd;
     }
-    return distinct(branches_, side < kLargeSide ? kExplainedSmall : kExplainedLarge);
+    return distinct(branches_, side < kLargeMarker ? kExplainedSmall : kExplainedLarge);
   }
 
   const PhotometricContext& context_;
@@ -207,7 +206,7 @@ RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& p
   auto hypotheses = fits.fit(context.refiner, psf_sd);
   if (tracked && (hypotheses.empty() || fits.misfit() > kMisfit)) return {MarkerOutcome::doubtful, marker};
   if (hypotheses.empty() && psf_sd > 0.0) hypotheses = fits.fit(context.refiner, 0.0);
-  if (hypotheses.empty() && marker.image.side() > kLargeSide) {
+  if (hypotheses.empty() && marker.image.side() > kLargeMarker) {
     // The quiet zone may be darker than the print's white (cut close and pasted on a wall): the print alone, then.
     PhotometricParameters print_only = context.refiner.parameters();
     print_only.quiet_zone = 0.0;
