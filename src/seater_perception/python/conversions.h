@@ -8,11 +8,34 @@
 #include <yaml-cpp/yaml.h>
 
 #include <Eigen/Geometry>
+#include <mutex>
 #include <opencv2/core.hpp>
+#include <utility>
 
 namespace seater_python {
 
 namespace py = pybind11;
+
+/// An object of the library that serves one thread at a time, made safe for Python: calls run without the interpreter's
+/// lock, and those of other threads on the same object wait for their turn.
+template <typename Object>
+class OneAtATime {
+ public:
+  template <typename... Arguments>
+  explicit OneAtATime(Arguments&&... arguments) : object_(std::forward<Arguments>(arguments)...) {}
+
+  /// Calls work(object). Must be called with the interpreter's lock held; `work` must not touch Python objects.
+  template <typename Work>
+  auto call(const Work& work) {
+    const py::gil_scoped_release release;  // before waiting: who works may need it to return
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return work(object_);
+  }
+
+ private:
+  Object object_;
+  std::mutex mutex_;
+};
 
 /// The image without a copy: (height, width) of uint8 or uint16, C-contiguous; TypeError otherwise. Valid as long as
 /// the array lives.

@@ -13,11 +13,12 @@ namespace py = pybind11;
 using namespace pybind11::literals;
 using seater_python::asDict;
 using seater_python::asMat;
+using seater_python::OneAtATime;
 using seater_python::yaml;
 
 namespace {
 
-Eigen::MatrixXd cornersOf(const sp::MarkerCorners& marker) {
+Eigen::MatrixXd cornersOf(const sp::DetectedMarker& marker) {
   Eigen::MatrixXd corners(4, 2);
   for (int i = 0; i < 4; ++i) corners.row(i) = marker.corners[static_cast<std::size_t>(i)].transpose();
   return corners;
@@ -52,13 +53,16 @@ void bindConfiguration(py::module_& m) {
       .def("project", &project, "points"_a, "(n, 3) [m] in the optical frame -> (n, 2) [px]; NaN behind the camera")
       .def_property_readonly("width", &sp::CameraModel::width)
       .def_property_readonly("height", &sp::CameraModel::height);
-  py::class_<sp::DockLayout>(m, "DockLayout", "Dictionary, marker sizes and places.")
-      .def_readonly("dictionary", &sp::DockLayout::dictionary);
+  py::class_<sp::DockLayout>(m, "DockLayout", "Marker family, sizes and places.")
+      .def_readonly("family", &sp::DockLayout::family);
   m.def(
       "load_dock_layout", [](const py::dict& dock) { return sp::loadDockLayout(yaml(dock), "dock"); }, "dock"_a,
       "Of the mapping of a dock file; these markers are known to stand upright.");
-  m.def("layout_of_equal_markers", &sp::layoutOfEqualMarkers, "dictionary"_a, "size"_a,
-        "Every marker has this side [m]; nothing is known of how they stand.");
+  const char* const equal = "Every marker of the family has this side [m]; nothing is known of how they stand.";
+  m.def("layout_of_equal_markers", py::overload_cast<const sp::MarkerFamily&, double>(&sp::layoutOfEqualMarkers),
+        "family"_a, "size"_a, equal);
+  m.def("layout_of_equal_markers", py::overload_cast<const std::string&, double>(&sp::layoutOfEqualMarkers),
+        "dictionary"_a, "size"_a, equal);
   m.def(
       "default_parameters", [] { return asDict(sp::PerceptionParameters()); }, "As in config/perception.yaml.");
   m.def("default_photometric_parameters", [] { return asDict(sp::PhotometricParameters()); });
@@ -77,8 +81,8 @@ void bindResults(py::module_& m) {
   py::class_<sp::DockHypothesis, sp::PoseHypothesis>(m, "DockHypothesis")
       .def_readonly("marker_ids", &sp::DockHypothesis::marker_ids);
   py::class_<sp::DetectedMarker>(m, "DetectedMarker")
-      .def_property_readonly("id", [](const sp::DetectedMarker& marker) { return marker.image.id; })
-      .def_property_readonly("corners", [](const sp::DetectedMarker& marker) { return cornersOf(marker.image); })
+      .def_property_readonly("id", [](const sp::DetectedMarker& marker) { return marker.id; })
+      .def_property_readonly("corners", [](const sp::DetectedMarker& marker) { return cornersOf(marker); })
       .def_readonly("size", &sp::DetectedMarker::size)
       .def_readonly("ambiguity", &sp::DetectedMarker::ambiguity)
       .def_readonly("hypotheses", &sp::DetectedMarker::hypotheses)
@@ -90,41 +94,61 @@ void bindResults(py::module_& m) {
 }
 
 void bindDetector(py::module_& m) {
-  py::class_<sp::DockDetector>(m, "DockDetector", "Image in, markers and dock out. One per thread.")
+  using Detector = OneAtATime<sp::DockDetector>;
+  py::class_<Detector>(
+      m, "DockDetector",
+      "Image in, markers and dock out. Threads that share one wait for each other: use one per thread.")
       .def(py::init([](const sp::CameraModel& camera, const sp::DockLayout& layout, const py::dict& parameters) {
-             return std::make_unique<sp::DockDetector>(camera, layout, parametersOf(parameters), sp::CameraMount());
+             return std::make_unique<Detector>(camera, layout, parametersOf(parameters), sp::CameraMount());
            }),
            "camera"_a, "layout"_a, "parameters"_a)
       .def(
           "detect",
-          [](const sp::DockDetector& detector, const py::array& image) {
+          [](Detector& self, const py::array& image) {
             const cv::Mat grey = asMat(image);
-            const py::gil_scoped_release release;
-            return detector.detect(grey);
+            return self.call([&](sp::DockDetector& detector) { return detector.detect(grey); });
           },
           "image"_a);
-  py::class_<sp::DockTracker>(m, "DockTracker", "The same for a sequence of images.")
+  using Tracker = OneAtATime<sp::DockTracker>;
+  py::class_<Tracker>(m, "DockTracker", "The same for a sequence of images.")
       .def(py::init([](const sp::CameraModel& camera, const sp::DockLayout& layout, const py::dict& parameters) {
-             return std::make_unique<sp::DockTracker>(camera, layout, parametersOf(parameters), sp::CameraMount());
+             return std::make_unique<Tracker>(camera, layout, parametersOf(parameters), sp::CameraMount());
            }),
            "camera"_a, "layout"_a, "parameters"_a)
       .def(
           "detect",
-          [](sp::DockTracker& tracker, const py::array& image) {
+          [](Tracker& self, const py::array& image) {
             const cv::Mat grey = asMat(image);
-            const py::gil_scoped_release release;
-            return tracker.detect(grey);
+            return self.call([&](sp::DockTracker& tracker) { return tracker.detect(grey); });
           },
           "image"_a)
-      .def("reset", &sp::DockTracker::reset);
+      .def(
+          "reset", [](Tracker& self) { self.call([](sp::DockTracker& tracker) { tracker.reset(); }); },
+          "The next image is searched as a whole.");
 }
 
-void bindPhotometric(py::module_& m) {
+void bindMarkers(py::module_& m) {
   py::class_<sp::MarkerPattern>(m, "MarkerPattern", "The cells of a print.")
-      .def_static("from_dictionary", &sp::MarkerPattern::fromDictionary, "dictionary"_a, "id"_a)
       .def_static("from_cells", &sp::MarkerPattern::fromCells, "rows_from_top"_a)
       .def_property_readonly("cells", &sp::MarkerPattern::cells)
       .def("at", &sp::MarkerPattern::at, "column"_a, "row"_a);
+  py::class_<sp::MarkerFamily>(m, "MarkerFamily", "Codes of a family of markers (config/marker_families/README.md).")
+      .def(py::init<const std::string&, const std::vector<sp::MarkerCode>&, int, int>(), "name"_a, "codes"_a,
+           "border"_a = 1, "correctable_bits"_a = 0, "`codes`: for each id its bits, row by row from the top, 1 white")
+      .def_static("named", &sp::MarkerFamily::named, "name"_a, "key"_a = "dictionary")
+      .def_static("load", &sp::MarkerFamily::load, "path"_a)
+      .def_static("names", &sp::MarkerFamily::names)
+      .def_property_readonly("name", &sp::MarkerFamily::name)
+      .def_property_readonly("bits", &sp::MarkerFamily::bits, "along a side of the code")
+      .def_property_readonly("border", &sp::MarkerFamily::border, "[cells]")
+      .def_property_readonly("cells", &sp::MarkerFamily::cells, "along a side of the black square")
+      .def_property_readonly("correctable_bits", &sp::MarkerFamily::correctableBits)
+      .def("__len__", &sp::MarkerFamily::count)
+      .def("code", &sp::MarkerFamily::code, "id"_a, "rows from the top, 1 white")
+      .def("pattern", &sp::MarkerFamily::pattern, "id"_a);
+}
+
+void bindPhotometric(py::module_& m) {
   py::class_<sp::PatternPlacement>(m, "PatternPlacement", "A print and where it sits on the object.")
       .def(py::init([](const sp::MarkerPattern& pattern, double size, const Eigen::Matrix4d& T) {
              return sp::PatternPlacement{pattern, size, seater_python::pose(T)};
@@ -135,22 +159,24 @@ void bindPhotometric(py::module_& m) {
       .def_readonly("failure", &sp::PhotometricResult::failure)
       .def_property_readonly("pose", [](const sp::PhotometricResult& r) { return Eigen::Matrix4d(r.pose.matrix()); })
       .def_readonly("covariance", &sp::PhotometricResult::covariance)
-      .def_readonly("blur_sd", &sp::PhotometricResult::blur_sd)
+      .def_readonly("psf_sd", &sp::PhotometricResult::psf_sd, "of the lens' point spread function [px]")
       .def_readonly("noise_sd", &sp::PhotometricResult::noise_sd)
       .def_readonly("iterations", &sp::PhotometricResult::iterations);
-  py::class_<sp::PhotometricRefiner>(m, "PhotometricRefiner", "Fits the pose of prints to the grey levels.")
+  using Refiner = OneAtATime<sp::PhotometricRefiner>;
+  py::class_<Refiner>(m, "PhotometricRefiner", "Fits the pose of prints to the grey levels.")
       .def(py::init([](const py::dict& parameters) {
-             return sp::PhotometricRefiner(sp::loadStrict<sp::PhotometricParameters>(yaml(parameters), "photometric"));
+             return std::make_unique<Refiner>(
+                 sp::loadStrict<sp::PhotometricParameters>(yaml(parameters), "photometric"));
            }),
            "parameters"_a)
       .def(
           "refine",
-          [](const sp::PhotometricRefiner& refiner, const py::array& image, const sp::CameraModel& camera,
+          [](Refiner& self, const py::array& image, const sp::CameraModel& camera,
              const std::vector<sp::PatternPlacement>& placements, const Eigen::Matrix4d& initial) {
             const cv::Mat grey = asMat(image);
-            const Eigen::Isometry3d seed = seater_python::pose(initial);
-            const py::gil_scoped_release release;
-            return refiner.refine(grey, camera, placements, seed);
+            const Eigen::Isometry3d start = seater_python::pose(initial);
+            return self.call(
+                [&](sp::PhotometricRefiner& refiner) { return refiner.refine(grey, camera, placements, start); });
           },
           "image"_a, "camera"_a, "placements"_a, "initial"_a);
 }
@@ -162,6 +188,7 @@ PYBIND11_MODULE(seater_perception, m) {
   py::register_exception<sp::ConfigurationError>(m, "ConfigurationError", PyExc_ValueError);
   py::register_exception<sp::CalibrationError>(m, "CalibrationError", PyExc_ValueError);
   py::register_exception<sp::ImageError>(m, "ImageError", PyExc_ValueError);
+  bindMarkers(m);
   bindConfiguration(m);
   bindResults(m);
   bindDetector(m);

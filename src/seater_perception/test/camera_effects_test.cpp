@@ -61,7 +61,7 @@ double asDistance(const View& view, double pixels) {
 double worstWithMotion(const char* blur, double length, double side) {
   const Calibration c = scene::calibration();
   PerceptionParameters parameters;
-  parameters.photometric.blur = blur;
+  parameters.photometric.psf_model = blur;
   double worst = 0.0;
   for (const double angle : {0.0, 1.5708, 0.6}) {
     DockTracker tracker = trackerOf(c, parameters);

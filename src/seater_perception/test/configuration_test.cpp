@@ -116,7 +116,7 @@ TEST(CameraMount, upFollowsPitchAndRoll) {
 
 TEST(DockLayout, readsTheDefaultDock) {
   const DockLayout layout = loadDockLayout(dockFile(), "~dock");
-  EXPECT_EQ(layout.dictionary, "DICT_4X4_50");
+  EXPECT_EQ(layout.family.name(), "DICT_4X4_50");
   ASSERT_EQ(layout.markers.size(), 3u);
   EXPECT_EQ(layout.sizeOf(0), 0.1);
   EXPECT_FALSE(layout.sizeOf(7));
@@ -147,8 +147,8 @@ TEST(DockLayout, strictOnItsOwnKeysOnly) {
 }
 
 TEST(Images, badOnesAreRefusedWithAReason) {
-  const DockDetector detector(CameraModel::raw(scene::calibration()), scene::defaultDock(), PerceptionParameters(),
-                              CameraMount());
+  DockDetector detector(CameraModel::raw(scene::calibration()), scene::defaultDock(), PerceptionParameters(),
+                        CameraMount());
   const auto reason = [&](const cv::Mat& image) -> std::string {
     try {
       detector.detect(image);

@@ -27,7 +27,7 @@ struct Statistics {
 /// range.
 Statistics measure(const Calibration& c, double distance, double yaw, int images, const scene::Look& look,
                    const PerceptionParameters& parameters = {}) {
-  const DockDetector detector(CameraModel::raw(c), layoutOfEqualMarkers("DICT_4X4_50", 0.1), parameters, CameraMount());
+  DockDetector detector(CameraModel::raw(c), layoutOfEqualMarkers("DICT_4X4_50", 0.1), parameters, CameraMount());
   Statistics result;
   for (int k = 0; k < images; ++k) {
     std::mt19937 random(static_cast<unsigned>(k));
@@ -36,12 +36,12 @@ Statistics measure(const Calibration& c, double distance, double yaw, int images
     const scene::Print print{k % 7, 0.1,
                              scene::upright(place, yaw + 0.1 * u(random), 0.05 * u(random), 0.1 * u(random))};
     const auto found = detector.detect(scene::draw(c, "DICT_4X4_50", {print}, look, static_cast<unsigned>(k)));
-    if (found.markers.size() != 1 || found.markers[0].image.id != print.id) continue;
+    if (found.markers.size() != 1 || found.markers[0].id != print.id) continue;
     ++result.found;
     const auto truth = scene::trueCorners(c, print);
     const Eigen::Vector2d centre = 0.25 * (truth[0] + truth[1] + truth[2] + truth[3]);
     for (std::size_t i = 0; i < 4; ++i) {
-      const Eigen::Vector2d e = found.markers[0].image.corners[i] - truth[i];
+      const Eigen::Vector2d e = found.markers[0].corners[i] - truth[i];
       result.squares += e.squaredNorm();
       result.sum += e;
       result.largest = std::max(result.largest, e.norm());
@@ -158,7 +158,7 @@ TEST(Dock, poseOutOfPixels) {
   for (const std::string selection : {"bundle", "lowest_id"}) {
     PerceptionParameters parameters;
     parameters.selection = selection;
-    const DockDetector detector(CameraModel::raw(c), scene::defaultDock(), parameters, CameraMount());
+    DockDetector detector(CameraModel::raw(c), scene::defaultDock(), parameters, CameraMount());
     for (const double x : {-1.2, -0.4, 0.0}) {
       const Eigen::Isometry3d truth = scene::dockSeenFrom(x, 0.05, 0.1);
       const auto result = detector.detect(scene::draw(c, "DICT_4X4_50", scene::defaultPrints(truth), scene::Look(), 1));
@@ -206,14 +206,14 @@ TEST(Dock, anIdAtTwoPlacesIsNotUsed) {
   const Calibration c = scene::calibration();
   const std::vector<scene::Print> prints = {{0, 0.1, scene::upright({-0.2, 0, 1}, 0.3)},
                                             {0, 0.1, scene::upright({0.2, 0, 1}, 0.3)}};
-  const DockDetector detector(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
+  DockDetector detector(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
   EXPECT_TRUE(detector.detect(scene::draw(c, "DICT_4X4_50", prints, scene::Look(), 1)).markers.empty());
   EXPECT_EQ(detector.detect(scene::draw(c, "DICT_4X4_50", {prints[0]}, scene::Look(), 1)).markers.size(), 1u);
 }
 
 TEST(Dock, nothingInTheImageIsNoError) {
-  const DockDetector detector(CameraModel::raw(scene::calibration()), scene::defaultDock(), PerceptionParameters(),
-                              CameraMount());
+  DockDetector detector(CameraModel::raw(scene::calibration()), scene::defaultDock(), PerceptionParameters(),
+                        CameraMount());
   cv::Mat noise(720, 1280, CV_8U);
   cv::RNG(1).fill(noise, cv::RNG::UNIFORM, 0, 256);
   for (const cv::Mat& image : {noise, cv::Mat(cv::Mat::zeros(720, 1280, CV_8U))}) {
@@ -231,8 +231,8 @@ TEST(Dock, coveredEdgeIsToldByTheCovariance) {
   PerceptionParameters by_corners;
   by_corners.refinement = "corners_visp";
   by_corners.detector.search = "opencv";
-  const DockDetector detector(CameraModel::raw(c), scene::defaultDock(), by_corners, CameraMount());
-  const DockDetector photometric(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
+  DockDetector detector(CameraModel::raw(c), scene::defaultDock(), by_corners, CameraMount());
+  DockDetector photometric(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
   const auto free = detector.detect(image);
   const auto corners = scene::trueCorners(c, print);
   const Eigen::Vector2d middle = 0.5 * (corners[2] + corners[3]);
@@ -240,8 +240,8 @@ TEST(Dock, coveredEdgeIsToldByTheCovariance) {
   const auto covered = detector.detect(image);
   ASSERT_EQ(free.markers.size(), 1u);
   ASSERT_EQ(covered.markers.size(), 1u);
-  EXPECT_TRUE(free.markers[0].image.edges_fitted);
-  EXPECT_FALSE(covered.markers[0].image.edges_fitted);
+  EXPECT_TRUE(free.markers[0].edges_fitted);
+  EXPECT_FALSE(covered.markers[0].edges_fitted);
   EXPECT_GT(covered.markers[0].best().covariance.trace(), 4.0 * free.markers[0].best().covariance.trace());
   // The fit to the grey levels needs no whole edge.
   const auto fitted = photometric.detect(image);
@@ -255,14 +255,14 @@ TEST(Annotation, showsMarkersWithoutTouchingTheInput) {
   const Eigen::Isometry3d truth = scene::dockSeenFrom(-1.0, 0.1, 0.1);
   const cv::Mat image = scene::draw(c, "DICT_4X4_50", scene::defaultPrints(truth), scene::Look(), 1);
   const cv::Mat before = image.clone();
-  const DockDetector detector(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
+  DockDetector detector(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
   const auto result = detector.detect(image);
   const cv::Mat drawn = annotate(image, detector.camera(), detector.layout(), result, {"a line"});
   EXPECT_EQ(cv::norm(image, before), 0.0);
   ASSERT_EQ(drawn.type(), CV_8UC3);
   ASSERT_EQ(drawn.size(), image.size());
   // The outline is yellow: blue stays far below red half-way along an edge.
-  const Eigen::Vector2d p = 0.5 * (result.markers[2].image.corners[2] + result.markers[2].image.corners[3]);
+  const Eigen::Vector2d p = 0.5 * (result.markers[2].corners[2] + result.markers[2].corners[3]);
   const auto pixel = drawn.at<cv::Vec3b>(cvRound(p.y()), cvRound(p.x()));
   EXPECT_GT(pixel[2], pixel[0] + 100);
 }
@@ -272,7 +272,7 @@ TEST(Speed, oneCore) {
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
   const Calibration c = scene::calibration();
-  const DockDetector detector(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
+  DockDetector detector(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
   for (const double x : {-2.0, -1.2, 0.0}) {
     const cv::Mat image =
         scene::draw(c, "DICT_4X4_50", scene::defaultPrints(scene::dockSeenFrom(x, 0.05, 0.05)), scene::Look(), 1);

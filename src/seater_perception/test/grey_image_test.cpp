@@ -224,7 +224,7 @@ TEST(GreyImage, aMarkersPoseComesThroughEveryEncoding) {
                                                                {"bayer_bggr16", mono16},
                                                                {"bayer_gbrg16", mono12},
                                                                {"bayer_grbg16", mono16}};
-  const DockDetector detector(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
+  DockDetector detector(CameraModel::raw(c), scene::defaultDock(), PerceptionParameters(), CameraMount());
   for (const auto& [encoding, image] : images) {
     const auto result = detector.detect(toGrey(rawOf(image, encoding)));
     ASSERT_EQ(result.markers.size(), 1u) << encoding;

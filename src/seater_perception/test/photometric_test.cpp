@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "marker/photometric_model.h"
-#include "numerics/fast_normal.h"
-#include "photometric/branch_seeds.h"
+#include "numerics/normal.h"
+#include "photometric/initial_poses.h"
 #include "photometric/kernel/photometric_kernel.h"
 #include "photometric/samples/photometric_samples.h"
 #include "photometric_scene.h"
@@ -25,7 +25,7 @@ constexpr double kDegree = M_PI / 180.0;
 std::vector<PatternPlacement> placementsOf(const View& view) {
   std::vector<PatternPlacement> placements;
   for (const auto& print : view.prints) {
-    placements.push_back({MarkerPattern::fromDictionary("DICT_4X4_50", print.id), print.size,
+    placements.push_back({MarkerFamily::named("DICT_4X4_50").pattern(print.id), print.size,
                           view.pose.inverse() * print.T_optical_marker});
   }
   return placements;
@@ -103,15 +103,15 @@ TEST(MarkerPattern, CellsCountFromTheLowerLeft) {
 }
 
 TEST(MarkerPattern, RefusesWhatIsNotThere) {
-  EXPECT_EQ(MarkerPattern::fromDictionary("DICT_6X6_250", 249).cells(), 8);
-  EXPECT_THROW(MarkerPattern::fromDictionary("DICT_4X4_50", 50), ConfigurationError);
-  EXPECT_THROW(MarkerPattern::fromDictionary("DICT_4X4_50", -1), ConfigurationError);
-  EXPECT_THROW(MarkerPattern::fromDictionary("DICT_4", 0), ConfigurationError);
+  EXPECT_EQ(MarkerFamily::named("DICT_6X6_250").pattern(249).cells(), 8);
+  EXPECT_THROW(MarkerFamily::named("DICT_4X4_50").pattern(50), ConfigurationError);
+  EXPECT_THROW(MarkerFamily::named("DICT_4X4_50").pattern(-1), ConfigurationError);
+  EXPECT_THROW(MarkerFamily::named("DICT_4").pattern(0), ConfigurationError);
   EXPECT_THROW(MarkerPattern::fromCells({{0, 0, 0}, {0, 0}, {0, 0, 0}}), ConfigurationError);
 }
 
 TEST(PhotometricModel, SmoothsAsNumericIntegrationDoes) {
-  const auto pattern = MarkerPattern::fromDictionary("DICT_4X4_50", 3);
+  const auto pattern = MarkerFamily::named("DICT_4X4_50").pattern(3);
   double largest = 0.0;
   for (const double rho : {0.0, 0.15, -0.35}) {
     for (const auto& at : {Eigen::Vector2d(1.1, 0.95), Eigen::Vector2d(2.9, 3.05), Eigen::Vector2d(-0.1, 5.8)}) {
@@ -264,7 +264,7 @@ TEST(Photometric, NoBiasWithoutNoise) {
       const auto result = refine(view, fine(photo_scene::clean(view)), photo_scene::seedNear(view, random));
       ASSERT_TRUE(result.converged) << result.failure;
       EXPECT_LT(pixelError(view, result.pose), 0.005) << distance << " m, " << tilt << " deg";  // measured: 0.001
-      EXPECT_NEAR(result.blur_sd, view.blur, 0.01);
+      EXPECT_NEAR(result.psf_sd, view.blur, 0.01);
     }
   }
 }
@@ -274,7 +274,7 @@ TEST(Photometric, NoBiasWithNarrowBlurDistortionAndOtherNoise) {
   View narrow = photo_scene::single(0.1, 2.0, 0.4);
   narrow.blur = 0.3;
   PhotometricParameters parameters;
-  parameters.blur_sd = 0.35;
+  parameters.psf_sd = 0.35;
   const auto sharp =
       refine(narrow, fine(photo_scene::clean(narrow)), photo_scene::seedNear(narrow, random, 0.2), parameters);
   ASSERT_TRUE(sharp.converged) << sharp.failure;
@@ -363,15 +363,15 @@ TEST(Photometric, BlurGivenOrEstimated) {
   std::mt19937 random(2);
   const Isometry3d seed = photo_scene::seedNear(view, random);
   PhotometricParameters given;
-  given.blur = "given";
-  given.blur_sd = 1.1;
+  given.psf_model = "given";
+  given.psf_sd = 1.1;
   given.noise_sd = rounded(2.0);
   const auto right = refine(view, grey, seed, given);
-  given.blur_sd = 0.7;
+  given.psf_sd = 0.7;
   const auto wrong = refine(view, grey, seed, given);
   const auto estimated = refine(view, grey, seed);
   ASSERT_TRUE(right.converged && wrong.converged && estimated.converged);
-  EXPECT_NEAR(estimated.blur_sd, 1.1, 0.03);
+  EXPECT_NEAR(estimated.psf_sd, 1.1, 0.03);
   EXPECT_NEAR(right.reduced_chi_square, 1.0, 0.15);
   EXPECT_GT(wrong.reduced_chi_square, 1.5);
   EXPECT_LE(right.covariance(2, 2), estimated.covariance(2, 2) * 1.05);
@@ -411,13 +411,13 @@ TEST(Photometric, MotionBlurAlongOneDirection) {
   view.motion = Eigen::Vector2d(5.0, 1.0);
   view.samples = 4;
   PhotometricParameters parameters;
-  parameters.blur = "directed";
+  parameters.psf_model = "directed";
   std::mt19937 random(4);
   const auto result = refine(view, photo_scene::withNoise(photo_scene::clean(view), 2.0, 1),
                              photo_scene::seedNear(view, random), parameters);
   ASSERT_TRUE(result.converged) << result.failure;
   // A path of 5.1 px has a variance of 2.17 px^2 beside the 0.57 px^2 of lens and pixel: ratio of widths 2.19.
-  EXPECT_NEAR(result.blur_elongation, 2.19, 0.15);
+  EXPECT_NEAR(result.psf_elongation, 2.19, 0.15);
   EXPECT_LT(pixelError(view, result.pose), 0.06);
 }
 
@@ -443,7 +443,7 @@ TEST(Photometric, ResidualsTellTheBranches) {
   EXPECT_NEAR(branches[0].weight + branches[1].weight, 1.0, 1e-9);
 
   // A marker that is followed begins with what is known of it.
-  const PhotometricStart known{chosen.result.blur_sd, chosen.result.brightness[0]};
+  const PhotometricStart known{chosen.result.psf_sd, chosen.result.brightness[0]};
   const std::vector<Eigen::Isometry3d> both{chosen.result.pose, mirrored(chosen.result.pose)};
   const auto followed = PhotometricRefiner({}).refineBranches(grey, camera, placementsOf(view), both, known);
   ASSERT_EQ(followed.size(), 2u);
@@ -500,6 +500,6 @@ TEST(Photometric, BadImagesGiveNoPoseAndNothingNotFinite) {
   EXPECT_THROW(refine(view, cv::Mat(10, 10, CV_8U), view.pose), ImageError);
   EXPECT_THROW(refine(view, cv::Mat(), view.pose), ImageError);
   PhotometricParameters wrong;
-  wrong.blur = "guess";
+  wrong.psf_model = "guess";
   EXPECT_THROW(PhotometricRefiner{wrong}, ConfigurationError);
 }

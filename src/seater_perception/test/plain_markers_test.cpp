@@ -48,8 +48,8 @@ TEST(SquareSolutions, areRightForEveryTurnOfAFrontalSquare) {
 }
 
 TEST(PlainMarkers, onThePixelGridAreFoundWhereTheyAre) {
-  const DockDetector detector(CameraModel::raw(scene::calibration()), layoutOfEqualMarkers("DICT_4X4_50", 0.1),
-                              PerceptionParameters(), CameraMount());
+  DockDetector detector(CameraModel::raw(scene::calibration()), layoutOfEqualMarkers("DICT_4X4_50", 0.1),
+                        PerceptionParameters(), CameraMount());
   for (const int side : {18, 24, 30, 36, 48, 60, 96, 120, 126, 180, 240, 300, 420, 600}) {
     for (const double blur : {0.8, 1.3}) {
       const int id = (3 * side) % 50, x = 500 - side / 3, y = std::min(300, 700 - side);
@@ -57,12 +57,12 @@ TEST(PlainMarkers, onThePixelGridAreFoundWhereTheyAre) {
       EXPECT_EQ(result.refused, 0) << side << " px, blur " << blur;
       EXPECT_EQ(result.markers.size(), 1u) << side << " px, blur " << blur;
       if (result.markers.size() != 1u) continue;
-      EXPECT_EQ(result.markers[0].image.id, id);
+      EXPECT_EQ(result.markers[0].id, id);
       const double left = x - 0.5, top = y - 0.5, right = left + side, bottom = top + side;
       const std::array<Eigen::Vector2d, 4> truth{Eigen::Vector2d(left, top), Eigen::Vector2d(right, top),
                                                  Eigen::Vector2d(right, bottom), Eigen::Vector2d(left, bottom)};
       for (std::size_t i = 0; i < 4; ++i) {
-        EXPECT_LT((result.markers[0].image.corners[i] - truth[i]).norm(), 0.1) << side << " px, blur " << blur;
+        EXPECT_LT((result.markers[0].corners[i] - truth[i]).norm(), 0.1) << side << " px, blur " << blur;
       }
     }
   }
@@ -70,8 +70,8 @@ TEST(PlainMarkers, onThePixelGridAreFoundWhereTheyAre) {
 
 TEST(PlainMarkers, turnedAndTiltedAreFound) {
   const Calibration c = scene::calibration();
-  const DockDetector detector(CameraModel::raw(c), layoutOfEqualMarkers("DICT_4X4_50", 0.1), PerceptionParameters(),
-                              CameraMount());
+  DockDetector detector(CameraModel::raw(c), layoutOfEqualMarkers("DICT_4X4_50", 0.1), PerceptionParameters(),
+                        CameraMount());
   int number = 0;
   for (const double side : {12.0, 14.3, 17.0, 22.5, 31.0, 45.0, 70.0, 126.0, 250.0, 400.0, 600.0}) {
     for (const double tilt : {0.0, 0.3, 0.7}) {
@@ -94,10 +94,10 @@ TEST(PlainMarkers, turnedAndTiltedAreFound) {
           EXPECT_EQ(result.refused, 0) << what();
           EXPECT_EQ(result.markers.size(), 1u) << what();
           if (result.markers.size() != 1u) continue;
-          EXPECT_EQ(result.markers[0].image.id, print.id) << what();
+          EXPECT_EQ(result.markers[0].id, print.id) << what();
           const auto truth = scene::trueCorners(c, print);
           for (std::size_t i = 0; i < 4; ++i)
-            EXPECT_LT((result.markers[0].image.corners[i] - truth[i]).norm(), 0.25) << what();
+            EXPECT_LT((result.markers[0].corners[i] - truth[i]).norm(), 0.25) << what();
         }
       }
     }
@@ -107,13 +107,13 @@ TEST(PlainMarkers, turnedAndTiltedAreFound) {
 // Drawn images are what people try first: without blur, black and white at the sensor's limits, and pasted on a grey
 // that is darker than the print's white, as a print is whose margin was cut off.
 TEST(PlainMarkers, aQuietZoneNeedNotBeAsWhiteAsThePrint) {
-  const MarkerDetector detector("DICT_4X4_50", DetectorParameters());
+  const MarkerDetector detector(MarkerFamily::named("DICT_4X4_50"), DetectorParameters());
   const int levels[][3] = {{0, 255, 200},  {0, 200, 200},  {40, 240, 230}, {0, 255, 255}, {40, 255, 200},
                            {40, 240, 160}, {40, 240, 200}, {0, 250, 200},  {40, 200, 215}};
   for (const auto& [black, white, wall] : levels) {
     for (const double blur : {0.0, 0.8}) {
       for (const int side : {24, 60, 200}) {
-        const auto found = detector.detect(onThePixelGrid(7, side, 500, 300, blur, black, white, wall));
+        const auto found = detector.detect(onThePixelGrid(7, side, 500, 300, blur, black, white, wall)).markers;
         ASSERT_EQ(found.size(), 1u) << black << " " << white << " " << wall << ", blur " << blur << ", " << side
                                     << " px";
         EXPECT_EQ(found[0].id, 7);

@@ -1,12 +1,11 @@
 // Poses, their covariance and their choice, from exact corners with known noise: no image.
 
-#include "seater_perception/pose.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <cstdio>
 
+#include "pose/dock_pose.h"
 #include "scene.h"
 
 using namespace seater_perception;
@@ -93,7 +92,7 @@ TEST(Covariance, ofTheDockIsWhatMonteCarloSays) {
     std::mt19937 random(2);
     Sample sample;
     for (int i = 0; i < 1000; ++i) {
-      std::vector<DetectedMarker> markers;
+      std::vector<MarkerEstimate> markers;
       for (const auto& print : scene::defaultPrints(T_optical_dock)) {
         markers.push_back(*estimateMarker(camera, seen(c, print, random), print.size, upright(), parameters));
       }
@@ -121,7 +120,7 @@ TEST(Covariance, ofTheDockKnowsThatPrintsAreDisplaced) {
     double without = 0.0, with = 0.0;
     const int draws = 200;
     for (int i = 0; i < draws; ++i) {
-      std::vector<DetectedMarker> markers;
+      std::vector<MarkerEstimate> markers;
       for (auto print : scene::defaultPrints(T_optical_dock)) {
         for (int k = 0; k < 3; ++k) print.T_optical_marker.translation()[k] += displacement(random);
         markers.push_back(*estimateMarker(camera, seen(c, print, random), print.size, upright(), parameters));
@@ -217,7 +216,7 @@ TEST(Poses, priorChoosesTheUprightOne) {
     const auto with = estimateMarker(camera, corners, print.size, upright(pitch), parameters);
     const auto without = estimateMarker(camera, corners, print.size, PosePrior(), parameters);
     ASSERT_TRUE(with && without);
-    const auto is_wrong = [&](const DetectedMarker& m) {
+    const auto is_wrong = [&](const MarkerEstimate& m) {
       // Leaning away instead of towards: the normal's y has the other sign.
       return m.best().pose.linear()(1, 2) * print.T_optical_marker.linear()(1, 2) < 0.0;
     };
@@ -241,7 +240,7 @@ TEST(Poses, undecidedIsSaid) {
   int two = 0, right = 0;
   for (int i = 0; i < 200; ++i) {
     const scene::Print print{0, 0.1, scene::upright({0.0, 0.0, 2.8}, 0.15)};
-    DetectedMarker marker =
+    MarkerEstimate marker =
         *estimateMarker(camera, seen(c, print, random, 0.1), print.size, upright(), PoseParameters());
     DockLayout layout = scene::defaultDock();
     PoseParameters parameters;
@@ -281,7 +280,7 @@ TEST(Bundle, isMoreExactThanTheLowestId) {
   std::mt19937 random(7);
   double bundle = 0.0, lowest = 0.0;
   for (int i = 0; i < 100; ++i) {
-    std::vector<DetectedMarker> markers;
+    std::vector<MarkerEstimate> markers;
     for (const auto& print : scene::defaultPrints(truth)) {
       markers.push_back(*estimateMarker(camera, seen(c, print, random), print.size, upright(), PoseParameters()));
     }
@@ -302,7 +301,7 @@ TEST(Bundle, oneWrongMarkerIsLeftOut) {
   const Eigen::Isometry3d truth = scene::dockSeenFrom(-0.6, 0.1, 0.2);
   std::mt19937 random(8);
   for (int wrong = 0; wrong < 3; ++wrong) {
-    std::vector<DetectedMarker> markers;
+    std::vector<MarkerEstimate> markers;
     for (auto print : scene::defaultPrints(truth)) {
       if (print.id == wrong)
         print.T_optical_marker.translation() += Eigen::Vector3d(0.0, 0.06, 0.02);  // hangs elsewhere
@@ -321,7 +320,7 @@ TEST(Bundle, twoThatContradictGiveBothPoses) {
   const CameraModel camera = CameraModel::raw(c);
   const Eigen::Isometry3d truth = scene::dockSeenFrom(-0.6, 0.1, 0.3);
   std::mt19937 random(9);
-  std::vector<DetectedMarker> markers;
+  std::vector<MarkerEstimate> markers;
   for (auto print : scene::defaultPrints(truth)) {
     if (print.id == 0) continue;
     if (print.id == 2) print.T_optical_marker.translation().x() += 0.1;

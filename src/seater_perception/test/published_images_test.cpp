@@ -7,6 +7,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
+#include "pose/marker_pose.h"
 #include "scene.h"
 
 using namespace seater_perception;
@@ -63,27 +64,27 @@ TEST_P(AprilTags, cornersAndPosesAreThePublishedOnes) {
   double worst_corner = 0.0, worst_range = 0.0, worst_direction = 0.0, worst_turn = 0.0;
   for (const bool half : {false, true}) {
     const double size = 0.25 * cells / (cells + 2.0) * (half ? 0.5 : 1.0);
-    const DockDetector detector(CameraModel::raw(c), layoutOfEqualMarkers(dictionary, size), PerceptionParameters(),
-                                CameraMount());
+    DockDetector detector(CameraModel::raw(c), layoutOfEqualMarkers(dictionary, size), PerceptionParameters(),
+                          CameraMount());
     const auto result = detector.detect(image);
     ASSERT_EQ(result.markers.size(), 5u);
     for (const DetectedMarker& m : result.markers) {
-      if ((m.image.id >= 3) != half) continue;
-      ASSERT_TRUE(published.count(m.image.id));
+      if ((m.id >= 3) != half) continue;
+      ASSERT_TRUE(published.count(m.id));
       const std::size_t theirs[] = {1, 0, 3, 2};
       for (std::size_t i = 0; i < 4; ++i) {
-        const double gap = (m.image.corners[i] - published.at(m.image.id)[theirs[i]]).norm();
-        EXPECT_LT(gap, 0.5) << "tag " << m.image.id << " corner " << i;
+        const double gap = (m.corners[i] - published.at(m.id)[theirs[i]]).norm();
+        EXPECT_LT(gap, 0.5) << "tag " << m.id << " corner " << i;
         worst_corner = std::max(worst_corner, gap);
       }
-      const Eigen::Isometry3d T = readPose(folder + "cMo_" + std::to_string(m.image.id) + ".txt");
+      const Eigen::Isometry3d T = readPose(folder + "cMo_" + std::to_string(m.id) + ".txt");
       const Eigen::Isometry3d ours = m.best().pose * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ());
       const double range = std::abs(ours.translation().norm() / T.translation().norm() - 1.0);
       const double direction = std::acos(ours.translation().normalized().dot(T.translation().normalized())) * 57.3;
       const double turn = Eigen::AngleAxisd(ours.linear().transpose() * T.linear()).angle() * 57.3;
-      EXPECT_LT(range, 0.012) << "tag " << m.image.id;
-      EXPECT_LT(direction, 0.06) << "tag " << m.image.id;
-      EXPECT_LT(turn, 1.0) << "tag " << m.image.id;
+      EXPECT_LT(range, 0.012) << "tag " << m.id;
+      EXPECT_LT(direction, 0.06) << "tag " << m.id;
+      EXPECT_LT(turn, 1.0) << "tag " << m.id;
       worst_range = std::max(worst_range, range);
       worst_direction = std::max(worst_direction, direction);
       worst_turn = std::max(worst_turn, turn);
@@ -108,20 +109,20 @@ TEST(Photograph, cornersAreThePublishedOnes) {
   c.K = {1006.126285753055, 0, 655.8639244150409, 0, 1004.015433012594, 490.6140221242933, 0, 0, 1};
   c.D = {0.1349735087283542, -0.2335869827451621, 0.0006697030315075139, 0.004846737465872353, 0};
   c.distortion_model = "plumb_bob";
-  const DockDetector detector(CameraModel::raw(c), layoutOfEqualMarkers("DICT_5X5_1000", 0.145), PerceptionParameters(),
-                              CameraMount());
+  DockDetector detector(CameraModel::raw(c), layoutOfEqualMarkers("DICT_5X5_1000", 0.145), PerceptionParameters(),
+                        CameraMount());
   const auto result = detector.detect(image);
   ASSERT_EQ(result.markers.size(), 1u);
   const DetectedMarker& marker = result.markers[0];
-  EXPECT_EQ(marker.image.id, 1);
+  EXPECT_EQ(marker.id, 1);
   using V = Eigen::Vector2d;
   const Corners published = {V(569.899, 201.559), V(777.426, 206.850), V(767.959, 415.378), V(565.753, 409.245)};
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_LT((marker.image.corners[i] - published[i]).norm(), 0.5) << i;
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_LT((marker.corners[i] - published[i]).norm(), 0.5) << i;
   const Eigen::Vector3d t = marker.best().pose.translation();
   std::printf("  position %.4f %.4f %.4f m, reprojection error %.3f px, sigma of range %.2f mm\n", t.x(), t.y(), t.z(),
               marker.best().error, 1e3 * std::sqrt(marker.best().covariance(2, 2)));
   // The pose that the published corners give; half a pixel on the 207 px side is 0.25 % of the range.
-  MarkerCorners theirs = marker.image;
+  MarkerCorners theirs;
   theirs.corners = published;
   const auto reference = estimateMarker(detector.camera(), theirs, 0.145, PosePrior(), PoseParameters());
   ASSERT_TRUE(reference);

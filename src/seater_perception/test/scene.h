@@ -1,5 +1,5 @@
-// Draws markers by itself, for tests: the camera equations are written out here, the bits come from OpenCV's
-// dictionary.
+// Draws markers by itself, for tests: the camera equations are written out here; the bits come from the family, which
+// marker_family_test compares with OpenCV's.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -68,7 +68,7 @@ inline Isometry3d dockSeenFrom(double x, double y, double heading) {
 
 inline seater_perception::DockLayout defaultDock() {
   seater_perception::DockLayout layout;
-  layout.dictionary = "DICT_4X4_50";
+  layout.family = seater_perception::MarkerFamily::named("DICT_4X4_50");
   layout.markers[0] = {0, 0.100, Vector3d(0.9, 0.0, 0.7), M_PI};
   layout.markers[1] = {1, 0.150, Vector3d(0.9, 0.35, 0.7), M_PI};
   layout.markers[2] = {2, 0.150, Vector3d(0.9, -0.35, 0.7), M_PI};
@@ -167,16 +167,22 @@ inline void drawPrint(const seater_perception::Calibration& c, const cv::Mat& bi
   }
 }
 
+/// A print's cells, one pixel each.
+inline cv::Mat cellsOf(const seater_perception::MarkerPattern& pattern) {
+  const int n = pattern.cells();
+  cv::Mat cells(n, n, CV_8U);
+  for (int row = 0; row < n; ++row) {
+    for (int column = 0; column < n; ++column)
+      cells.at<uchar>(row, column) = static_cast<uchar>(255 * pattern.at(column, n - 1 - row));
+  }
+  return cells;
+}
+
 /// One image of the prints before a wall, blurred and with noise.
-inline cv::Mat draw(const seater_perception::Calibration& c, const std::string& dictionary,
+inline cv::Mat draw(const seater_perception::Calibration& c, const seater_perception::MarkerFamily& family,
                     const std::vector<Print>& prints, const Look& look, unsigned seed) {
   cv::Mat image(c.height, c.width, CV_32F, cv::Scalar(look.wall));
-  const auto dict = cv::aruco::getPredefinedDictionary(seater_perception::dictionaryNumber(dictionary, ""));
-  for (const Print& print : prints) {
-    cv::Mat bits;
-    dict->drawMarker(print.id, dict->markerSize + 2, bits, 1);
-    drawPrint(c, bits, print, look, image);
-  }
+  for (const Print& print : prints) drawPrint(c, cellsOf(family.pattern(print.id)), print, look, image);
   if (look.blur > 0) cv::GaussianBlur(image, image, cv::Size(), look.blur);
   cv::RNG random(seed);
   cv::Mat noise(image.size(), CV_32F);
@@ -185,6 +191,10 @@ inline cv::Mat draw(const seater_perception::Calibration& c, const std::string& 
   cv::Mat grey;
   image.convertTo(grey, CV_8U);
   return grey;
+}
+inline cv::Mat draw(const seater_perception::Calibration& c, const std::string& dictionary,
+                    const std::vector<Print>& prints, const Look& look, unsigned seed) {
+  return draw(c, seater_perception::MarkerFamily::named(dictionary), prints, look, seed);
 }
 
 }  // namespace scene

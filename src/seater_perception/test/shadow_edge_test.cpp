@@ -76,10 +76,48 @@ TEST(ShadowEdge, isFoundByTheQuietZone) {
   EXPECT_NEAR(shadow->light({190.0, 150.0}), 0.5, 1e-3);
   cv::Mat grey(300, 300, CV_8U, cv::Scalar(200));
   grey.colRange(160, 300).setTo(100);
-  lift(*shadow, grey);
-  EXPECT_NEAR(grey.at<uchar>(150, 110), 200, 1);
-  EXPECT_NEAR(grey.at<uchar>(150, 190), 200, 1);
-  EXPECT_EQ(grey.at<uchar>(150, 299), 100);  // beyond the print
+  const cv::Mat lit = withoutShadows(grey, {*shadow});
+  EXPECT_NEAR(lit.at<uchar>(150, 110), 200, 1);
+  EXPECT_NEAR(lit.at<uchar>(150, 190), 200, 1);
+  EXPECT_EQ(lit.at<uchar>(150, 299), 100);   // beyond the print
+  EXPECT_EQ(grey.at<uchar>(150, 190), 100);  // the image itself stays
+}
+
+TEST(ShadowEdge, isTakenAwayOnceWhereRegionsOverlap) {
+  ShadowEdge left;  // of 100 x 100 px, all of it deep in the shadow
+  left.offset = 1000.0;
+  left.factor = 0.5;
+  left.region = {0, 0, 100, 100};
+  ShadowEdge right = left;
+  right.factor = 0.25;
+  right.region = {60, 0, 100, 100};
+  const cv::Mat grey(100, 200, CV_8U, cv::Scalar(40));
+  const cv::Mat lit = withoutShadows(grey, {left, right});
+  EXPECT_EQ(lit.at<uchar>(50, 30), 80);
+  EXPECT_EQ(lit.at<uchar>(50, 78), 80);  // nearer to the left print
+  EXPECT_EQ(lit.at<uchar>(50, 82), 160);
+  EXPECT_EQ(lit.at<uchar>(50, 130), 160);
+  EXPECT_EQ(lit.at<uchar>(50, 180), 40);
+  EXPECT_EQ(withoutShadows(grey, {}).data,
+            grey.data);  // nothing to take away: no copy
+}
+
+// Prints so near to each other that the regions that are lifted for each reach into the other's.
+TEST(ShadowEdge, neighboursAcrossItAreFoundWhereTheyAre) {
+  const std::vector<scene::Print> prints{{0, 0.1, scene::upright({-0.07, 0.02, 0.8}, 0.25)},
+                                         {1, 0.1, scene::upright({0.07, 0.02, 0.8}, 0.25)}};
+  scene::Look look;
+  look.blur = 1.0;
+  cv::Mat image = scene::draw(scene::calibration(), "DICT_4X4_50", prints, look, 1);
+  shade(image, {639.0, 375.0}, 0.1, 0.5);
+  DockDetector detector(CameraModel::raw(scene::calibration()), layoutOfEqualMarkers("DICT_4X4_50", 0.1),
+                        PerceptionParameters(), CameraMount());
+  const auto result = detector.detect(image);
+  ASSERT_EQ(result.markers.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Eigen::Vector3d off = result.markers[i].best().pose.translation() - prints[i].T_optical_marker.translation();
+    EXPECT_LT(off.norm(), 0.0032) << i;
+  }
 }
 
 TEST(ShadowEdge, onlyWhereThereIsOne) {
@@ -94,8 +132,8 @@ TEST(ShadowEdge, onlyWhereThereIsOne) {
 }
 
 TEST(ShadowEdge, aMarkerAcrossItIsFoundWhereItIs) {
-  const DockDetector detector(CameraModel::raw(scene::calibration()), scene::defaultDock(), PerceptionParameters(),
-                              CameraMount());
+  DockDetector detector(CameraModel::raw(scene::calibration()), scene::defaultDock(), PerceptionParameters(),
+                        CameraMount());
   for (const double z : {0.5, 1.0, 1.6}) {
     for (const double factor : {0.7, 0.5, 0.35}) {
       if (z > 0.5 && factor < 0.5) continue;  // a strong one grows together with a small marker's border

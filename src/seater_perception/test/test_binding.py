@@ -1,6 +1,7 @@
 """The Python binding: what goes in comes out, wrong input is refused, other threads run meanwhile."""
 
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import cv2
@@ -50,7 +51,7 @@ def test_projection() -> None:
 
 def test_photometric_refinement_finds_back_from_a_wrong_start() -> None:
     refiner = sp.PhotometricRefiner(sp.default_photometric_parameters())
-    pattern = sp.MarkerPattern.from_dictionary("DICT_4X4_50", 3)
+    pattern = sp.MarkerFamily.named("DICT_4X4_50").pattern(3)
     z = F * 0.1 / 126
     start = np.diag([1.0, -1.0, -1.0, 1.0])  # marker facing the camera
     start[:3, 3] = [(562.5 - CX) * z / F + 0.0005, (362.5 - CY) * z / F, 1.004 * z]
@@ -81,6 +82,25 @@ def test_wrong_images_are_refused() -> None:
     for wrong in (np.zeros((720, 1280), np.float32), np.zeros((720, 1280, 3), np.uint8), marker_image()[:, ::2]):
         with pytest.raises(TypeError, match="image"):
             detector.detect(wrong)
+
+
+def test_threads_that_share_one_detector_get_what_one_thread_gets() -> None:
+    images = [marker_image(size) for size in (30, 62, 126)]
+    parameters, layout = sp.default_parameters(), sp.layout_of_equal_markers("DICT_4X4_50", 0.1)
+
+    def found(detector: sp.DockDetector, image: np.ndarray) -> list[tuple[bytes, ...]]:
+        return [
+            (m.corners.tobytes(), m.hypotheses[0].pose.tobytes(), m.covariance.tobytes())
+            for m in detector.detect(image).markers
+        ]
+
+    expected = [found(sp.DockDetector(camera(), layout, parameters), image) for image in images]
+    assert all(expected)
+    shared = sp.DockDetector(camera(), layout, parameters)
+    jobs = [images[k % 3] for k in range(36)]
+    with ThreadPoolExecutor(4) as pool:
+        results = list(pool.map(lambda image: found(shared, image), jobs))
+    assert results == [expected[k % 3] for k in range(36)]
 
 
 def test_other_threads_run_during_a_detection() -> None:

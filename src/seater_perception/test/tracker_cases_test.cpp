@@ -58,7 +58,7 @@ DockTracker makeTracker(int full_search_every = 1000) {
 
 std::vector<int> idsIn(const DetectionResult& result) {
   std::vector<int> ids;
-  for (const auto& m : result.markers) ids.push_back(m.image.id);
+  for (const auto& m : result.markers) ids.push_back(m.id);
   return ids;
 }
 
@@ -154,6 +154,7 @@ TEST(TrackerCases, keepsADimMarkerThatTheSearchDoesNotFind) {
   dim.noise = 3.0;
   dim.black = 100.0, dim.white = 140.0, dim.wall = 130.0;
   DockTracker tracker = makeTracker();
+  DockDetector detector(CameraModel::raw(kCamera), scene::defaultDock(), PerceptionParameters(), CameraMount());
   const scene::Print print = at(0, 0.0, 3.6, 0.0);
   ASSERT_EQ(idsIn(tracker.detect(drawn({print}, 1))), std::vector<int>{0});
   int kept = 0, searched = 0;
@@ -161,7 +162,7 @@ TEST(TrackerCases, keepsADimMarkerThatTheSearchDoesNotFind) {
     const cv::Mat image = drawn({print}, k, dim);
     const auto result = tracker.detect(image);
     kept += !result.full_search && idsIn(result) == std::vector<int>{0};
-    searched += tracker.detector().detect(image).markers.size() == 1;
+    searched += detector.detect(image).markers.size() == 1;
     tracker.detect(drawn({print}, 100 + k));  // so that each image is judged for itself
   }
   std::printf("  contrast 40, 18 px: kept in %d of 20 images, found by the search in %d\n", kept, searched);

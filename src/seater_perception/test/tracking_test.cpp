@@ -68,7 +68,7 @@ cv::Mat strange(int kind, unsigned seed) {
 
 // 14 px: one and a half times as far as the paper's camera sees its 50 mm marker.
 TEST(Search, findsSmallBlurredMarkersThatOpenCvDoesNot) {
-  const DockDetector detector = detectorOf(scene::defaultDock());
+  DockDetector detector = detectorOf(scene::defaultDock());
   int found = 0;
   std::size_t by_opencv = 0;
   const int images = 20;
@@ -83,7 +83,7 @@ TEST(Search, findsSmallBlurredMarkersThatOpenCvDoesNot) {
     const auto result = detector.detect(image);
     ASSERT_LE(result.markers.size(), 1u);
     if (result.markers.empty()) continue;
-    EXPECT_EQ(result.markers[0].image.id, print.id);
+    EXPECT_EQ(result.markers[0].id, print.id);
     ++found;
   }
   std::printf("  14 px: found %d of %d, by OpenCV %zu\n", found, images, by_opencv);
@@ -92,8 +92,8 @@ TEST(Search, findsSmallBlurredMarkersThatOpenCvDoesNot) {
 }
 
 TEST(Search, findsNothingWhereNothingIs) {
-  const DockDetector detector(CameraModel::raw(scene::calibration(320.0, 640, 360)),
-                              layoutOfEqualMarkers("DICT_4X4_50", 0.1), PerceptionParameters(), CameraMount());
+  DockDetector detector(CameraModel::raw(scene::calibration(320.0, 640, 360)), layoutOfEqualMarkers("DICT_4X4_50", 0.1),
+                        PerceptionParameters(), CameraMount());
   for (unsigned seed = 0; seed < 25; ++seed) {
     for (int kind = 0; kind < 4; ++kind) {
       EXPECT_TRUE(detector.detect(strange(kind, seed)).markers.empty()) << kind << ", seed " << seed;
@@ -143,7 +143,7 @@ TEST(Track, inventsNothing) {
   EXPECT_TRUE(tracker.detect(scene::draw(c, "DICT_4X4_50", {}, scene::Look(), 2)).markers.empty());
   ASSERT_EQ(tracker.detect(seen).markers.size(), 1u);
   const auto exchanged = tracker.detect(scene::draw(c, "DICT_4X4_50", {other}, scene::Look(), 3));
-  for (const auto& m : exchanged.markers) EXPECT_EQ(m.image.id, 1);
+  for (const auto& m : exchanged.markers) EXPECT_EQ(m.id, 1);
 }
 
 TEST(Track, sameImagesGiveTheSameNumbers) {

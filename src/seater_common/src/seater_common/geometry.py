@@ -146,7 +146,7 @@ class Dock:
 
     name: str = param("default", "", "how a goal names it")
     direction: str = param("forward", "", "end of the chair that goes in first", choices=("forward", "backward"))
-    dictionary: str = param("DICT_4X4_50", "", "OpenCV's name of the marker dictionary")
+    dictionary: str = param("DICT_4X4_50", "", "name of the marker family")
     markers: list[Marker] = field(
         default_factory=lambda: [
             Marker(0, 0.100, [0.9, 0.0, 0.7]),

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "seater_perception/marker_family.h"
+
 namespace seater_perception {
 
 /// Corners of a marker of this side [m] in its own frame (x right, y up as the print is read, z out of the paper), in
@@ -26,9 +28,9 @@ struct DockMarker {
   Eigen::Isometry3d T_dock_marker() const;
 };
 
-/// What perception knows of a dock: dictionary, marker sizes and places.
+/// What perception knows of a dock: marker family, sizes and places.
 struct DockLayout {
-  std::string dictionary;             ///< OpenCV's name, e.g. DICT_4X4_50
+  MarkerFamily family;
   std::map<int, DockMarker> markers;  ///< by id; empty when no dock is looked for
   /// Side [m] of every marker that is not in `markers`; without it, those are not reported.
   std::optional<double> size_of_others;
@@ -37,15 +39,13 @@ struct DockLayout {
   std::optional<double> sizeOf(int id) const;
 };
 
-/// A layout without a dock: every marker of the dictionary has this side [m]. Throws ConfigurationError.
-DockLayout layoutOfEqualMarkers(const std::string& dictionary, double size);
+/// A layout without a dock: every marker of the family (given, or by its name) has this side [m]. Throws
+/// ConfigurationError.
+DockLayout layoutOfEqualMarkers(const MarkerFamily& family, double size);
+DockLayout layoutOfEqualMarkers(const std::string& family, double size);
 
 /// Reads the keys `dictionary` and `markers` of a dock file (config/docks/default.yaml) strictly; other top-level keys
 /// belong to other readers and are ignored. `prefix` names the mapping in messages. Throws ConfigurationError.
 DockLayout loadDockLayout(const YAML::Node& node, const std::string& prefix);
-
-/// Names of all dictionaries, and OpenCV's number of one. dictionaryNumber throws ConfigurationError naming `key`.
-std::vector<std::string> dictionaryNames();
-int dictionaryNumber(const std::string& name, const std::string& key);
 
 }  // namespace seater_perception

@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "seater_perception/dock_detector.h"
+#include "seater_perception/camera_model.h"
+#include "seater_perception/detection.h"
+#include "seater_perception/dock_layout.h"
 
 namespace seater_perception {
 

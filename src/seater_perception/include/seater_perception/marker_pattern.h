@@ -1,7 +1,7 @@
 #pragma once
 
-#include <cstdint>
-#include <string>
+#include <Eigen/Geometry>
+#include <cstddef>
 #include <vector>
 
 namespace seater_perception {
@@ -12,8 +12,6 @@ namespace seater_perception {
 /// frame's x and y (dock_layout.h). Cell (0, 0) is the lower left one of the black border.
 class MarkerPattern {
  public:
-  /// Marker `id` of an OpenCV dictionary ("DICT_4X4_50"). Throws ConfigurationError for an unknown name or id.
-  static MarkerPattern fromDictionary(const std::string& dictionary, int id);
   /// From cells given row by row from the top, 1 white, 0 black. Throws ConfigurationError when they are not a square
   /// of 3 x 3 or more.
   static MarkerPattern fromCells(const std::vector<std::vector<int>>& rows_from_top);
@@ -30,6 +28,23 @@ class MarkerPattern {
 
   int cells_;
   std::vector<double> values_;  // with a ring of quiet zone round it, row by row from the bottom
+};
+
+/// One print and where it sits on the object whose pose is wanted.
+struct PatternPlacement {
+  MarkerPattern pattern;
+  double size = 0.0;  ///< side of the black square [m]
+  Eigen::Isometry3d T_object_marker = Eigen::Isometry3d::Identity();
+};
+
+/// How bright an image shows a print: grey level = (offset + gain * white - rim * outside) * (1 + slope . p), with
+/// white 0 or 1, p from -1 to 1 across the marker's box in the image, and outside the fraction of what a pixel sees
+/// beyond the quiet zone.
+struct Brightness {
+  bool used = false;                ///< false: the marker is not in the image
+  double offset = 0.0, gain = 0.0;  ///< [grey levels]
+  double slope_u = 0.0, slope_v = 0.0;
+  double rim = 0.0;  ///< how much darker than the paper it is beyond the quiet zone [grey levels]
 };
 
 }  // namespace seater_perception

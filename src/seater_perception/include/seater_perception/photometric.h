@@ -6,11 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "seater_perception/brightness.h"
 #include "seater_perception/camera_model.h"
+#include "seater_perception/detection.h"
 #include "seater_perception/marker_pattern.h"
-#include "seater_perception/photometric_parameters.h"
-#include "seater_perception/pose.h"
+#include "seater_perception/parameters.h"
 
 namespace cv {
 class Mat;
@@ -18,35 +17,29 @@ class Mat;
 
 namespace seater_perception {
 
-/// One marker and where it sits on the object whose pose is wanted.
-struct PatternPlacement {
-  MarkerPattern pattern;
-  double size = 0.0;  ///< side of the black square [m]
-  Eigen::Isometry3d T_object_marker = Eigen::Isometry3d::Identity();
-};
-
+/// What a fit gives.
 struct PhotometricResult {
-  /// False: nothing else here is to be relied on; pose is then the seed, covariance zero.
+  /// False: nothing else here is to be relied on; pose is then the initial one, covariance zero.
   bool converged = false;
   std::string failure;                                     ///< why not converged; empty otherwise
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< T_optical_object
-  /// As poseCovariance in pose.h, marginalised over brightness and blur; from the residuals' own noise.
+  /// As PoseHypothesis::covariance, marginalised over all else; from the residuals' own noise.
   Matrix6d covariance = Matrix6d::Zero();
   std::vector<Brightness> brightness;  ///< one per placement
-  double blur_sd = 0.0;                ///< [px] lens blur; geometric mean of both directions
-  double blur_elongation = 1.0;        ///< wide over narrow direction of the whole point-spread function
+  double psf_sd = 0.0;                 ///< of the lens' point spread function; geometric mean of both directions [px]
+  double psf_elongation = 1.0;         ///< wide over narrow direction of the whole point spread function
   double noise_sd = 0.0;               ///< of the inliers' residuals [grey levels]
   double flat_noise = 0.0;             ///< of pixels far from all edges; 0: none [grey levels]
   double rms = 0.0;                    ///< of all residuals, outliers too [grey levels]
   double reduced_chi_square = 0.0;  ///< robust cost over its expectation at the known noise_sd (1 when that is unknown)
   double cost = 0.0;                ///< sum of Tukey's rho of all pixels at the result's noise_sd
-  double inlier_share = 0.0;
+  double inlier_fraction = 0.0;
   double explained = 0.0;  ///< part of the grey levels' variance that the pattern explains, outliers included; 1: all
-  double clipped_low = 0.0, clipped_high = 0.0;  ///< share of the pixels at either end of the sensor's range
+  double clipped_low = 0.0, clipped_high = 0.0;  ///< fraction of the pixels at either end of the sensor's range
   int pixels = 0, iterations = 0;
 };
 
-/// One seed's result and what it weighs beside the others'.
+/// The result from one initial pose and what it weighs beside the others'.
 struct PhotometricBranch {
   PhotometricResult result;
   double chi_square = 0.0;  ///< robust, on the pixels common to all branches
@@ -56,21 +49,24 @@ struct PhotometricBranch {
 
 /// What is known before a fit begins.
 struct PhotometricStart {
-  /// [px] lens blur; > 0: the seeds are exact to about 0.1 px and nothing is covered, so that the first, careful
-  /// approach is left out; 0: the parameters' blur, and the seeds are as for `refine`.
-  double known_blur = 0.0;
-  /// Of one marker, from other sources; then every seed is believed to be near a minimum, and none is given up at a
-  /// first look.
+  /// Standard deviation of the lens' point spread function [px]; > 0: the initial poses are exact to about 0.1 px and
+  /// nothing is covered, so that the first, careful approach is left out; 0: as the parameters say, and the initial
+  /// poses are as for `refine`.
+  double psf_sd = 0.0;
+  /// Of one marker, from other sources; then every initial pose is believed to be near a minimum, and none is given up
+  /// at a first look.
   std::optional<Brightness> brightness;
 };
 
 /// Fits the pose of printed markers to the grey levels of an image: every pixel near a cell border is compared with
-/// the pattern smoothed by pixel area and lens blur, and the weighted squares of the differences are minimised over
-/// pose, brightness and, if wanted, blur (Levenberg-Marquardt, first with Huber's, then with Tukey's weights: Huber,
-/// "Robust Statistics", 1981).
+/// the pattern smoothed by pixel area and lens, and the weighted squares of the differences are minimised over pose,
+/// brightness and, if wanted, point spread function (Levenberg-Marquardt, first with Huber's, then with Tukey's
+/// weights: Huber, "Robust Statistics", 1981).
 ///
 /// Clipped pixels (0, saturation) are compared with the mean of a clipped noisy pixel, so that they neither pull nor
 /// get lost.
+///
+/// One per thread: calls write into memory that the next call uses again. Results do not depend on earlier calls.
 class PhotometricRefiner {
  public:
   /// Throws ConfigurationError for an unknown `blur`.
@@ -81,23 +77,22 @@ class PhotometricRefiner {
   /// `grey` is CV_8UC1 or CV_16UC1 of the camera's size, else ImageError is thrown. `initial` is T_optical_object,
   /// good to a pixel or a third of a cell, whichever is larger. Whatever is in the image, the result is finite.
   PhotometricResult refine(const cv::Mat& grey, const CameraModel& camera,
-                           const std::vector<PatternPlacement>& placements, const Eigen::Isometry3d& initial) const;
+                           const std::vector<PatternPlacement>& placements, const Eigen::Isometry3d& initial);
 
-  /// Refines every seed, the most probable one first, and weighs the distinct results by their residuals alone: w ~
-  /// exp(-chi^2 / 2), all on the same pixels, with the best one's noise. Results that did not converge get weight 0,
-  /// and so do those that a first look at a part of the pixels shows to be hopeless or the same as an earlier one. Sum
-  /// 1 unless none converged.
+  /// Refines every initial pose, the most probable one first, and weighs the distinct results by their residuals alone:
+  /// w ~ exp(-chi^2 / 2), all on the same pixels, with the best one's noise. Results that did not converge get weight
+  /// 0, and so do those that a first look at a part of the pixels shows to be hopeless or the same as an earlier one.
+  /// The weights add up to 1 unless none converged.
   std::vector<PhotometricBranch> refineBranches(const cv::Mat& grey, const CameraModel& camera,
                                                 const std::vector<PatternPlacement>& placements,
-                                                const std::vector<Eigen::Isometry3d>& seeds,
-                                                const PhotometricStart& start = {}) const;
+                                                const std::vector<Eigen::Isometry3d>& initial,
+                                                const PhotometricStart& start = {});
 
-  const PhotometricParameters& parameters() const { return parameters_; }
+  const PhotometricParameters& parameters() const;
 
  private:
   struct Workspace;
-  PhotometricParameters parameters_;
-  std::unique_ptr<Workspace> workspace_;  // memory used again by the next call: one refiner per thread
+  std::unique_ptr<Workspace> workspace_;
 };
 
 }  // namespace seater_perception

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "seater_perception/dock_detector.h"
+#include "seater_perception/detection.h"
 
 namespace seater_perception {
 

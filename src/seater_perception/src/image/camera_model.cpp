@@ -11,7 +11,7 @@
 namespace seater_perception {
 namespace {
 
-constexpr int kNewtonSteps = 50;
+constexpr int kNewtonSteps = 50;            // ends what does not converge
 constexpr double kNewtonTolerance = 1e-12;  // in undistorted coordinates; 1e-9 px
 
 template <typename Container>

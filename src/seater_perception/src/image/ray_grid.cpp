@@ -6,8 +6,9 @@
 namespace seater_perception {
 namespace {
 
-constexpr int kNodeStep = 8;  // [px] between the nodes
-constexpr double kStraight = 1e-10;
+// Chosen by hand; camera_effects_test draws distorted images, in which an error of the rays would be seen.
+constexpr int kNodeStep = 8;         // [px] between the nodes
+constexpr double kStraight = 1e-10;  // rays less than 1e-7 px from straight ones: no distortion
 
 }  // namespace
 

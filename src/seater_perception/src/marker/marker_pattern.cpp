@@ -1,32 +1,11 @@
 #include "seater_perception/marker_pattern.h"
 
-#include <opencv2/aruco.hpp>
-
-#include "seater_perception/dock_layout.h"
 #include "seater_perception/errors.h"
 
 namespace seater_perception {
 
 MarkerPattern::MarkerPattern(int cells)
     : cells_(cells), values_(static_cast<std::size_t>((cells + 2) * (cells + 2)), 1.0) {}
-
-MarkerPattern MarkerPattern::fromDictionary(const std::string& dictionary, int id) {
-  const auto known = cv::aruco::getPredefinedDictionary(dictionaryNumber(dictionary, "dictionary"));
-  const int count = known->bytesList.rows;
-  if (id < 0 || id >= count) {
-    throw ConfigurationError("id: is " + std::to_string(id) + ", must be 0 to " + std::to_string(count - 1) + " in " +
-                             dictionary);
-  }
-  cv::Mat image;
-  known->drawMarker(id, known->markerSize + 2, image, 1);  // one pixel per cell
-  std::vector<std::vector<int>> rows(static_cast<std::size_t>(image.rows));
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.cols; ++column) {
-      rows[static_cast<std::size_t>(row)].push_back(image.at<uchar>(row, column) > 127 ? 1 : 0);
-    }
-  }
-  return fromCells(rows);
-}
 
 MarkerPattern MarkerPattern::fromCells(const std::vector<std::vector<int>>& rows_from_top) {
   const std::size_t n = rows_from_top.size();

@@ -1,6 +1,6 @@
 #include "numerics/column_products.h"
 
-#include "numerics/fast_normal.h"
+#include "numerics/vector_clones.h"
 
 namespace seater_perception {
 namespace {

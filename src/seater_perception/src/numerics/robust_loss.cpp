@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "numerics/fast_normal.h"
+#include "numerics/normal.h"
+#include "numerics/vector_clones.h"
 
 namespace seater_perception {
 namespace {
@@ -54,8 +55,8 @@ double clippedMean(double mean, double sd, const ClipRange& range, double& by_me
   by_mean = 1.0;
   double result = mean;
   const auto overshoot = [sd](double z, double& beyond) {  // mean of max(0, n - z) for standard normal n
-    beyond = 0.5 * std::erfc(z * M_SQRT1_2);
-    return sd * (std::exp(-0.5 * z * z) / std::sqrt(2.0 * M_PI) - z * beyond);
+    beyond = normalDistribution(-z);
+    return sd * (normalDensity(z) - z * beyond);
   };
   double beyond = 0.0;
   if (range.high - mean > kClipReach * sd && mean - range.low > kClipReach * sd) return mean;

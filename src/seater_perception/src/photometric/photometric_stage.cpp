@@ -5,7 +5,7 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
-#include "photometric/branch_seeds.h"
+#include "photometric/initial_poses.h"
 #include "seater_perception/dock_layout.h"
 
 namespace seater_perception {
@@ -14,8 +14,7 @@ namespace {
 // Part of the image's variance that the pattern has to explain: a small marker has to be proved by it, a large one
 // has been read bit by bit and may be partly covered.
 constexpr double kExplainedSmall = 0.9, kExplainedLarge = 0.85;
-constexpr double kLargeSide = 40.0;                         // [px]
-constexpr double kBeyondScale = 0.15, kLargestBlur = 0.95;  // of the range of grey levels; of a cell
+constexpr double kBeyondScale = 0.15, kLargestPsf = 0.95;  // of the range of grey levels; of a cell
 // Residuals at edges over those of flat pixels, and distance from the fitted edges' corners over its standard
 // deviation: from here on, the print is not what the model says.
 constexpr double kMisfit = 1.8, kContradiction = 1.0;
@@ -23,7 +22,7 @@ constexpr double kCoarseCorners = 0.25;   // cells
 constexpr double kBlurredCorners = 0.25;  // standard deviations of the blur
 constexpr double kClipped = 0.05;         // share of the pixels
 constexpr double kShadowSigma = 0.06;     // [px] of a corner: what taking away a shadow's edge leaves
-constexpr double kLargestGap = 0.3;       // [px] rms, between a marker's own corners and those of the joint pose
+constexpr double kDisplaced = 0.3;        // [px] rms, between a marker's own corners and those of the joint pose
 
 /// Grey levels that the sensor could have seen, and a blur that leaves cells to be told apart.
 bool plausible(const PhotometricResult& result, double side, int cells, double full_scale) {
@@ -33,7 +32,7 @@ bool plausible(const PhotometricResult& result, double side, int cells, double f
   for (const Brightness& b : result.brightness) {
     if (b.used && (b.offset < least || b.offset + b.gain > most)) return false;
   }
-  return result.blur_sd < kLargestBlur * side / cells;
+  return result.psf_sd < kLargestPsf * side / cells;
 }
 
 bool explains(const PhotometricResult& result, double smallest) {
@@ -84,7 +83,7 @@ void weighByPrior(std::vector<PoseHypothesis>& hypotheses, const PosePrior& prio
 
 /// Corners as the pose has them, with their own standard deviation.
 void placeCorners(const CameraModel& camera, const PoseHypothesis& hypothesis, double smallest_sigma,
-                  DetectedMarker& marker) {
+                  MarkerEstimate& marker) {
   std::array<Eigen::Vector2d, 4> corners;
   double variance = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -102,11 +101,11 @@ void placeCorners(const CameraModel& camera, const PoseHypothesis& hypothesis, d
 
 /// Largest rms distance between the corners of a marker as it was seen and as the dock's pose has them [px]. `all`
 /// gathers the corners of the markers that are part of it.
-double gap(const CameraModel& camera, const DockLayout& layout, const std::vector<DetectedMarker>& markers,
-           const std::vector<int>& ids, const Eigen::Isometry3d& T_optical_dock, Correspondences& all) {
+double largestDistance(const CameraModel& camera, const DockLayout& layout, const std::vector<MarkerEstimate>& markers,
+                       const std::vector<int>& ids, const Eigen::Isometry3d& T_optical_dock, Correspondences& all) {
   double largest = 0.0;
   all = Correspondences();
-  for (const DetectedMarker& m : markers) {
+  for (const MarkerEstimate& m : markers) {
     const auto place = layout.markers.find(m.image.id);
     if (place == layout.markers.end() || !std::count(ids.begin(), ids.end(), m.image.id)) continue;
     Correspondences seen;
@@ -120,126 +119,160 @@ double gap(const CameraModel& camera, const DockLayout& layout, const std::vecto
   return largest;
 }
 
+/// One marker's fits.
+class MarkerFits {
+ public:
+  MarkerFits(const PhotometricContext& context, const MarkerEstimate& marker, bool tracked)
+      : context_(context),
+        marker_(marker),
+        placement_{{context.patterns.of(marker.image.id), marker.size, Eigen::Isometry3d::Identity()}},
+        cells_(placement_.front().pattern.cells()) {
+    if (tracked) brightness_ = Brightness{true, marker.image.dark, marker.image.contrast, 0.0, 0.0, 0.0};
+  }
+
+  /// From all poses that the corners leave open, and where only one minimum has been seen, from the other branch too.
+  /// `psf_sd` as of PhotometricStart.
+  std::vector<PoseHypothesis> fit(PhotometricRefiner& by, double psf_sd) {
+    auto found = fitFrom(by, openPoses(marker_), {psf_sd, brightness_});
+    if (!otherBranchOpen(marker_, branches_, found)) return found;
+    const double near = psf_sd > 0.0 ? psf_sd : by.parameters().psf_sd;
+    const auto both = fitFrom(by, steepPoses(found.front().pose), {near, std::nullopt});
+    return both.empty() ? found : both;
+  }
+
+  int cells() const { return cells_; }
+  /// Of the best one of the last fits: residuals at edges over those of flat pixels (0: not known), and the standard
+  /// deviation of the lens' point spread function [px].
+  double misfit() const { return misfit_; }
+  double psfSd() const { return psf_sd_; }
+
+ private:
+  std::vector<PoseHypothesis> fitFrom(PhotometricRefiner& by, const std::vector<Eigen::Isometry3d>& initial,
+                                      const PhotometricStart& start) {
+    branches_ = by.refineBranches(context_.grey, context_.camera, placement_, initial, start);
+    const double side = marker_.image.side(), full_scale = context_.grey.depth() == CV_16U ? 65535.0 : 255.0;
+    double best = std::numeric_limits<double>::infinity();
+    for (auto& b : branches_) {
+      b.result.converged = b.result.converged && plausible(b.result, side, cells_, full_scale);
+      if (!b.result.converged || b.chi_square >= best) continue;
+      best = b.chi_square;
+      misfit_ = b.result.flat_noise > 0.0 ? b.result.noise_sd / b.result.flat_noise : 0.0;
+      psf_sd_ = b.result.psf_sd;
+    }
+    return distinct(branches_, side < kLargeMarker ? kExplainedSmall : kExplainedLarge);
+  }
+
+  const PhotometricContext& context_;
+  const MarkerEstimate& marker_;
+  const std::vector<PatternPlacement> placement_;
+  const int cells_;
+  std::optional<Brightness> brightness_;
+  std::vector<PhotometricBranch> branches_;  // of the last fits
+  double misfit_ = 0.0, psf_sd_ = 0.0;
+};
+
+/// Leaves out what says nothing and what the corners contradict. False when the corners cannot be undistorted.
+bool compareWithCorners(const PhotometricContext& context, const MarkerEstimate& marker, int cells,
+                        std::vector<PoseHypothesis>& hypotheses) {
+  Correspondences seen;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!seen.add(markerCorners(marker.size)[i], marker.image.corners[i], 1.0, context.camera)) return false;
+  }
+  const double sigma = std::max(context.pose.model_sigma, marker.image.shadow ? kShadowSigma : 0.0);
+  addModelError(context.camera, seen, sigma, hypotheses);
+  for (auto& h : hypotheses) h.error = reprojectionError(context.camera, seen, h.pose);
+  // Corners that no edge confirms may be some tenths of a cell off, those of blurred edges some tenths of the blur.
+  const double side = marker.image.side();
+  const double coarse =
+      marker.image.edges_fitted ? kBlurredCorners * marker.image.psf_sd : kCoarseCorners * side / cells;
+  const double limit = largestError(side, context.pose) + coarse;
+  const auto unbelievable = [&](const PoseHypothesis& h) { return !meaningful(h) || h.error > limit; };
+  hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), unbelievable), hypotheses.end());
+  return true;
+}
+
 }  // namespace
 
 const MarkerPattern& PatternBook::of(int id) {
   const auto known = patterns_.find(id);
   if (known != patterns_.end()) return known->second;
-  return patterns_.emplace(id, MarkerPattern::fromDictionary(dictionary_, id)).first->second;
+  return patterns_.emplace(id, family_.pattern(id)).first->second;
 }
 
-bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const MarkerPattern& pattern,
-                           const PhotometricRefiner& refiner, const PosePrior& prior, const PoseParameters& parameters,
-                           DetectedMarker& marker, bool followed) {
-  const std::vector<PatternPlacement> placement{{pattern, marker.size, Eigen::Isometry3d::Identity()}};
-  const double explained = marker.image.side() < kLargeSide ? kExplainedSmall : kExplainedLarge;
-  const double blur = marker.image.edges_fitted || followed ? marker.image.blur_sd : 0.0;
-  const double full_scale = grey.depth() == CV_16U ? 65535.0 : 255.0;
-  std::optional<Brightness> known;
-  if (followed) known = Brightness{true, marker.image.dark, marker.image.contrast, 0.0, 0.0, 0.0};
-  double misfit = 0.0, fitted_blur = 0.0;
-  std::vector<PhotometricBranch> branches;
-  const auto fitSeeds = [&](const PhotometricRefiner& by, const std::vector<Eigen::Isometry3d>& seeds,
-                            const PhotometricStart& start) {
-    branches = by.refineBranches(grey, camera, placement, seeds, start);
-    double best = std::numeric_limits<double>::infinity();
-    for (auto& b : branches) {
-      b.result.converged = b.result.converged && plausible(b.result, marker.image.side(), pattern.cells(), full_scale);
-      if (!b.result.converged || b.chi_square >= best) continue;
-      best = b.chi_square;
-      misfit = b.result.flat_noise > 0.0 ? b.result.noise_sd / b.result.flat_noise : 0.0;
-      fitted_blur = b.result.blur_sd;
-    }
-    return distinct(branches, explained);
-  };
-  const auto fit = [&](const PhotometricRefiner& by, double known_blur) {
-    auto found = fitSeeds(by, openSeeds(marker), {known_blur, known});
-    if (!otherBranchOpen(marker, branches, found)) return found;
-    const double near_blur = known_blur > 0.0 ? known_blur : by.parameters().blur_sd;
-    const auto both = fitSeeds(by, steepSeeds(found.front().pose), {near_blur, std::nullopt});
-    return both.empty() ? found : both;
-  };
-  auto hypotheses = fit(refiner, blur);
-  if (followed && (hypotheses.empty() || misfit > kMisfit)) return false;
-  if (hypotheses.empty() && blur > 0.0) hypotheses = fit(refiner, 0.0);
-  if (hypotheses.empty() && marker.image.side() > kLargeSide) {
+RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& prior, const MarkerEstimate& marker,
+                           bool tracked) {
+  MarkerFits fits(context, marker, tracked);
+  const double psf_sd = marker.image.edges_fitted || tracked ? marker.image.psf_sd : 0.0;
+  auto hypotheses = fits.fit(context.refiner, psf_sd);
+  if (tracked && (hypotheses.empty() || fits.misfit() > kMisfit)) return {MarkerOutcome::doubtful, marker};
+  if (hypotheses.empty() && psf_sd > 0.0) hypotheses = fits.fit(context.refiner, 0.0);
+  if (hypotheses.empty() && marker.image.side() > kLargeMarker) {
     // The quiet zone may be darker than the print's white (cut close and pasted on a wall): the print alone, then.
-    PhotometricParameters print_only = refiner.parameters();
+    PhotometricParameters print_only = context.refiner.parameters();
     print_only.quiet_zone = 0.0;
-    hypotheses = fit(PhotometricRefiner(print_only), blur);
+    PhotometricRefiner refiner(print_only);
+    hypotheses = fits.fit(refiner, psf_sd);
   }
-  if (hypotheses.empty()) return false;
-  Correspondences seen;
-  for (std::size_t i = 0; i < 4; ++i) {
-    if (!seen.add(markerCorners(marker.size)[i], marker.image.corners[i], 1.0, camera)) return false;
-  }
-  addModelError(camera, seen, std::max(parameters.model_sigma, marker.image.shadow ? kShadowSigma : 0.0), hypotheses);
-  for (auto& h : hypotheses) h.error = reprojectionError(camera, seen, h.pose);
-  // Corners that no edge confirms may be some tenths of a cell off, those of blurred edges some tenths of the blur.
-  const double coarse = marker.image.edges_fitted ? kBlurredCorners * marker.image.blur_sd
-                                                  : kCoarseCorners * marker.image.side() / pattern.cells();
-  const double limit = largestError(marker.image.side(), parameters) + coarse;
-  const auto unbelievable = [&](const PoseHypothesis& h) { return !meaningful(h) || h.error > limit; };
-  hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), unbelievable), hypotheses.end());
-  if (hypotheses.empty()) return false;
-  weighByPrior(hypotheses, prior, parameters.tilt_sigma);
+  if (hypotheses.empty() || !compareWithCorners(context, marker, fits.cells(), hypotheses) || hypotheses.empty())
+    return {MarkerOutcome::refused, marker};
+  weighByPrior(hypotheses, prior, context.pose.tilt_sigma);
   // A print that is bent or has grown cells: where the model does not hold, the outer edges are what its size means.
-  const double contradiction = kContradiction * parameters.corner_sigma;
-  if (marker.image.edges_fitted && misfit > kMisfit && hypotheses.front().error > contradiction) return true;
-  marker.hypotheses = hypotheses;
-  marker.image.blur_sd = fitted_blur;
-  placeCorners(camera, hypotheses.front(), parameters.corner_sigma, marker);
-  marker.ambiguity = 0.0;
+  const double contradiction = kContradiction * context.pose.corner_sigma;
+  if (marker.image.edges_fitted && fits.misfit() > kMisfit && hypotheses.front().error > contradiction)
+    return {MarkerOutcome::corners_kept, marker};
+  RefinedMarker refined{MarkerOutcome::refined, marker};
+  refined.marker.hypotheses = hypotheses;
+  refined.marker.image.psf_sd = fits.psfSd();
+  placeCorners(context.camera, hypotheses.front(), context.pose.corner_sigma, refined.marker);
+  refined.marker.ambiguity = 0.0;
   if (hypotheses.size() > 1) {
-    marker.ambiguity = std::exp(std::min(5.0, 0.5 * (hypotheses[0].chi_squared - hypotheses[1].chi_squared)));
+    refined.marker.ambiguity = std::exp(std::min(5.0, 0.5 * (hypotheses[0].chi_squared - hypotheses[1].chi_squared)));
   }
-  return true;
+  return refined;
 }
 
-void refineBundle(const cv::Mat& grey, const CameraModel& camera, PatternBook& patterns,
-                  const PhotometricRefiner& refiner, const DockLayout& layout, const Eigen::Vector3d& up,
-                  const PoseParameters& parameters, const std::vector<DetectedMarker>& markers,
-                  std::vector<DockHypothesis>& dock) {
-  if (dock.empty() || dock.front().marker_ids.size() < 2) return;
-  for (const auto& h : dock) {
-    if (h.marker_ids != dock.front().marker_ids) return;  // they contradict each other
-  }
+RefinedDock refineDock(const PhotometricContext& context, const DockLayout& layout, const Eigen::Vector3d& up,
+                       const std::vector<MarkerEstimate>& markers, const std::vector<DockHypothesis>& dock) {
+  if (dock.empty() || dock.front().marker_ids.size() < 2) return {DockOutcome::too_few, dock};
+  const std::vector<int>& ids = dock.front().marker_ids;
+  const auto rests_on_others = [&ids](const DockHypothesis& h) { return h.marker_ids != ids; };
+  if (std::any_of(dock.begin(), dock.end(), rests_on_others)) return {DockOutcome::contradictory, dock};
   std::vector<PatternPlacement> placements;
-  for (const int id : dock.front().marker_ids) {
+  for (const int id : ids) {
     const DockMarker& m = layout.markers.at(id);
-    placements.push_back({patterns.of(id), m.size, m.T_dock_marker()});
+    placements.push_back({context.patterns.of(id), m.size, m.T_dock_marker()});
   }
-  std::vector<Eigen::Isometry3d> seeds;
-  for (const auto& h : dock) seeds.push_back(h.pose);
-  double blur = 0.0, fitted = 0.0;
-  for (const DetectedMarker& m : markers) {
-    if (m.image.blur_sd > 0.0) blur += m.image.blur_sd, fitted += 1.0;
+  std::vector<Eigen::Isometry3d> initial;
+  for (const auto& h : dock) initial.push_back(h.pose);
+  double sum = 0.0, known = 0.0;
+  for (const MarkerEstimate& m : markers) {
+    if (m.image.psf_sd > 0.0) sum += m.image.psf_sd, known += 1.0;
   }
-  const auto branches = refiner.refineBranches(grey, camera, placements, seeds,
-                                               {fitted > 0.0 ? blur / fitted : refiner.parameters().blur_sd, {}});
-  auto hypotheses = distinct(branches, kExplainedLarge);
-  const auto ids = dock.front().marker_ids;
+  const double psf_sd = known > 0.0 ? sum / known : context.refiner.parameters().psf_sd;
+  auto hypotheses = distinct(
+      context.refiner.refineBranches(context.grey, context.camera, placements, initial, {psf_sd, std::nullopt}),
+      kExplainedLarge);
   Correspondences corners;
-  hypotheses.erase(
-      std::remove_if(hypotheses.begin(), hypotheses.end(),
-                     [&](const auto& h) { return gap(camera, layout, markers, ids, h.pose, corners) > kLargestGap; }),
-      hypotheses.end());
-  if (hypotheses.empty()) return;
-  addModelError(camera, corners, parameters.model_sigma, hypotheses);
+  const auto displaced = [&](const PoseHypothesis& h) {
+    return largestDistance(context.camera, layout, markers, ids, h.pose, corners) > kDisplaced;
+  };
+  hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), displaced), hypotheses.end());
+  if (hypotheses.empty()) return {DockOutcome::displaced, dock};
+  addModelError(context.camera, corners, context.pose.model_sigma, hypotheses);
   PosePrior prior;
   prior.up = up;
   prior.object_up = Eigen::Vector3d::UnitZ();
-  weighByPrior(hypotheses, prior, parameters.tilt_sigma);
-  const double error = dock.front().error;
-  dock.clear();
+  weighByPrior(hypotheses, prior, context.pose.tilt_sigma);
+  RefinedDock refined{DockOutcome::refined, {}};
   for (const auto& h : hypotheses) {
     DockHypothesis d;
     static_cast<PoseHypothesis&>(d) = h;
-    d.error = error;
+    d.error = dock.front().error;
     d.marker_ids = ids;
-    dock.push_back(d);
+    refined.dock.push_back(d);
   }
-  dropImprobable(dock, parameters.min_hypothesis_weight);
+  dropImprobable(refined.dock, context.pose.min_hypothesis_weight);
+  return refined;
 }
 
 }  // namespace seater_perception

@@ -1,45 +1,72 @@
+// Poses of detected markers and of the dock, refined by grey levels.
 #pragma once
 
 #include <map>
+#include <string>
 #include <vector>
 
 #include "pose/dock_pose.h"
+#include "seater_perception/marker_family.h"
 #include "seater_perception/photometric.h"
 
 namespace seater_perception {
 
-/// The patterns of a dictionary, made once per id.
+/// The patterns of a family, made once per id.
 class PatternBook {
  public:
-  explicit PatternBook(const std::string& dictionary) : dictionary_(dictionary) {}
+  explicit PatternBook(const MarkerFamily& family) : family_(family) {}
   const MarkerPattern& of(int id);
 
  private:
-  std::string dictionary_;
+  MarkerFamily family_;
   std::map<int, MarkerPattern> patterns_;
 };
 
-/// Poses of a detected marker, fitted to the grey levels. Begins at all its hypotheses which the corners cannot tell
-/// apart; what remains is weighed by the photometric residual and the prior. Covariances are the fit's own. Corners
-/// become those of the best pose where no edges were fitted.
-///
-/// True, but with the poses of the corners, when the print is not as the model has it (bent, cells of another width)
-/// and its fitted edges contradict the fitted pose.
-///
-/// `followed`: the marker is an expectedMarker, whose poses, blur and brightness are near. Then false also when
-/// residuals look as if the model did not hold: to be done again from its edges.
-///
-/// False, and the marker unchanged, when no fit converged or the pattern does not explain the image.
-bool refinePhotometrically(const cv::Mat& grey, const CameraModel& camera, const MarkerPattern& pattern,
-                           const PhotometricRefiner& refiner, const PosePrior& prior, const PoseParameters& parameters,
-                           DetectedMarker& marker, bool followed = false);
+/// What all refinements in one image share.
+struct PhotometricContext {
+  const cv::Mat& grey;
+  const CameraModel& camera;
+  const PoseParameters& pose;
+  PhotometricRefiner& refiner;
+  PatternBook& patterns;
+};
 
-/// One joint fit of the dock's pose over the markers of each hypothesis that rests on more than one. A hypothesis is
-/// left as it is when the fit does not converge, or explains the image worse than the corners' accuracy allows:
-/// prints that hang some pixels beside their places.
-void refineBundle(const cv::Mat& grey, const CameraModel& camera, PatternBook& patterns,
-                  const PhotometricRefiner& refiner, const DockLayout& layout, const Eigen::Vector3d& up,
-                  const PoseParameters& parameters, const std::vector<DetectedMarker>& markers,
-                  std::vector<DockHypothesis>& dock);
+/// How the refinement of a marker ended.
+enum class MarkerOutcome {
+  refined,       ///< poses are those of the grey levels, corners those of the best pose
+  corners_kept,  ///< the print is proved, but not as the model has it (bent, cells of another width), and its fitted
+                 ///< edges contradict the fitted pose: poses stay those of the corners
+  doubtful,      ///< of a tracked marker: residuals look as if the model did not hold; to be done again from its edges
+  refused        ///< no fit converged, or the pattern does not explain the image
+};
+
+struct RefinedMarker {
+  MarkerOutcome outcome = MarkerOutcome::refused;
+  MarkerEstimate marker;  ///< changed only when the outcome is `refined`
+};
+
+/// Poses of a detected marker. Fits begin at all its hypotheses which the corners cannot tell apart; what remains is
+/// weighed by the photometric residual and the prior. Covariances are the fit's own. `tracked`: the marker is an
+/// expectedMarker, whose poses, point spread function and brightness are near.
+RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& prior, const MarkerEstimate& marker,
+                           bool tracked);
+
+/// How the joint fit of the dock ended.
+enum class DockOutcome {
+  refined,        ///< hypotheses are those of the joint fit
+  too_few,        ///< they rest on one marker only
+  contradictory,  ///< they rest on different markers
+  displaced       ///< no fit converged, or all leave a marker's corners aside: prints hang beside their places
+};
+
+struct RefinedDock {
+  DockOutcome outcome = DockOutcome::too_few;
+  std::vector<DockHypothesis> dock;  ///< changed only when the outcome is `refined`
+};
+
+/// One joint fit of the dock's pose over all markers that its hypotheses rest on. `up`: unit vector pointing up, in the
+/// optical frame.
+RefinedDock refineDock(const PhotometricContext& context, const DockLayout& layout, const Eigen::Vector3d& up,
+                       const std::vector<MarkerEstimate>& markers, const std::vector<DockHypothesis>& dock);
 
 }  // namespace seater_perception

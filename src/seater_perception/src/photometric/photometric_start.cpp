@@ -24,20 +24,21 @@ std::pair<double, double> typical(std::vector<Seen>::iterator first, std::ptrdif
 
 }  // namespace
 
-void PhotometricProblem::startBrightness(PhotometricState& state) {
-  state.brightness.assign(samples_->size(), {});
+std::vector<Brightness> PhotometricProblem::initialBrightness(const PhotometricState& state) const {
+  std::vector<Brightness> brightness(samples_->size());
   std::vector<Seen> seen;
+  std::vector<float>& white = pool_->scratch();
   for (std::size_t m = 0; m < samples_->size(); ++m) {
     const MarkerSamples& samples = (*samples_)[m];
     MarkerView seen_so;
     if (samples.empty() || !view(m, state, seen_so)) continue;
     const int count = std::min(kBrightnessPixels, samples.batch.count);
-    white_.resize(static_cast<std::size_t>(samples.batch.padded));
-    whiteOfBatch(samples.batch, count, seen_so, white_.data());
+    white.resize(static_cast<std::size_t>(samples.batch.padded));
+    whiteOfBatch(samples.batch, count, seen_so, white.data());
     seen.clear();
     for (int i = 0; i < count; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      seen.emplace_back(white_[k], samples.batch.grey[k]);
+      seen.emplace_back(white[k], samples.batch.grey[k]);
     }
     for (const FlatBlock& block : samples.blocks)
       seen.emplace_back(static_cast<float>(block.white), static_cast<float>(block.grey));
@@ -46,11 +47,12 @@ void PhotometricProblem::startBrightness(PhotometricState& state) {
     std::nth_element(seen.begin(), seen.begin() + quarter, seen.end());
     std::nth_element(seen.begin() + quarter, seen.end() - quarter, seen.end());
     const auto dark = typical(seen.begin(), quarter), light = typical(seen.end() - quarter, quarter);
-    Brightness& b = state.brightness[m];
+    Brightness& b = brightness[m];
     b.used = true;
     b.gain = std::max(1.0, (light.second - dark.second) / std::max(0.05, light.first - dark.first));
     b.offset = dark.second - b.gain * dark.first;
   }
+  return brightness;
 }
 
 bool PhotometricProblem::tellsNoise() const {
@@ -61,18 +63,19 @@ bool PhotometricProblem::tellsNoise() const {
 
 double PhotometricProblem::flatNoise() const {
   if (!tellsNoise()) return 0.0;
-  sorted_.clear();
+  std::vector<float>& sorted = pool_->scratch();
+  sorted.clear();
   for (const MarkerSamples& samples : *samples_) {
     const std::size_t stride = samples.steps.size() / kNoiseSteps + 1;
-    for (std::size_t i = 0; i < samples.steps.size(); i += stride) sorted_.push_back(std::abs(samples.steps[i]));
+    for (std::size_t i = 0; i < samples.steps.size(); i += stride) sorted.push_back(std::abs(samples.steps[i]));
   }
-  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
-  std::nth_element(sorted_.begin(), middle, sorted_.end());
-  return *middle / 0.67449 * M_SQRT1_2;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return *middle / kNormalMedian * M_SQRT1_2;
 }
 
 template <typename Is>
-double PhotometricProblem::share(const Is& is) const {
+double PhotometricProblem::fraction(const Is& is) const {
   double all = 0.0, those = 0.0;
   for (const MarkerSamples& samples : *samples_) {
     for (int i = 0; i < samples.batch.count; ++i)
@@ -86,12 +89,12 @@ double PhotometricProblem::share(const Is& is) const {
   return all > 0.0 ? those / all : 0.0;
 }
 
-double PhotometricProblem::shareBelow(double level) const {
-  return share([level](double grey) { return grey <= level; });
+double PhotometricProblem::fractionBelow(double level) const {
+  return fraction([level](double grey) { return grey <= level; });
 }
 
-double PhotometricProblem::shareAbove(double level) const {
-  return share([level](double grey) { return grey >= level; });
+double PhotometricProblem::fractionAbove(double level) const {
+  return fraction([level](double grey) { return grey >= level; });
 }
 
 }  // namespace seater_perception

@@ -1,138 +1,33 @@
 #include "seater_perception/dock_detector.h"
 
-#include <algorithm>
-
 #include "image/image_checks.h"
-#include "pipeline/marker_track.h"
+#include "pipeline/detection_pipeline.h"
 
 namespace seater_perception {
 
-namespace {
-
-/// Only what is not in the layout can be left out of the search.
-std::set<int> idsOf(const DockLayout& layout) {
-  std::set<int> ids;
-  if (layout.size_of_others) return ids;
-  for (const auto& [id, marker] : layout.markers) ids.insert(id);
-  return ids;
-}
-
-/// Of a marker's hypotheses, the one whose attitude is nearest to this pose's.
-void keepNearest(const Eigen::Isometry3d& pose, DetectedMarker& marker) {
-  const auto turn = [&pose](const PoseHypothesis& h) {
-    return Eigen::AngleAxisd(h.pose.linear().transpose() * pose.linear()).angle();
-  };
-  PoseHypothesis nearest = *std::min_element(marker.hypotheses.begin(), marker.hypotheses.end(),
-                                             [&](const auto& a, const auto& b) { return turn(a) < turn(b); });
-  nearest.weight = 1.0;
-  marker.hypotheses = {nearest};
-  marker.branch_known = true;
-}
-
-}  // namespace
+struct DockDetector::Implementation {
+  DetectionPipeline pipeline;
+};
 
 DockDetector::DockDetector(const CameraModel& camera, const DockLayout& layout, const PerceptionParameters& parameters,
                            const CameraMount& mount)
-    : camera_(camera),
-      layout_(layout),
-      parameters_(parameters),
-      up_(mount.upInOptical()),
-      detector_(layout.dictionary, parameters.detector, idsOf(layout)),
-      refiner_(parameters.photometric),
-      patterns_(layout.dictionary) {}
+    : implementation_(new Implementation{DetectionPipeline(camera, layout, parameters, mount)}) {}
 
-DetectionResult DockDetector::detect(const cv::Mat& grey) const {
-  checkImage(grey, camera_);
-  return evaluate(grey, detector_.detect(grey));
+DockDetector::~DockDetector() = default;
+DockDetector::DockDetector(DockDetector&&) noexcept = default;
+
+DetectionResult DockDetector::detect(const cv::Mat& grey) {
+  DetectionPipeline& pipeline = implementation_->pipeline;
+  checkImage(grey, pipeline.camera());
+  return resultOf(pipeline.evaluate(pipeline.search().detect(grey)), true);
 }
 
-/// Nothing when the fit has to begin with the corners.
-std::optional<DetectedMarker> DockDetector::expected(const MarkerCorners& found,
-                                                     const std::map<int, DetectedMarker>& last) const {
-  const auto known = last.find(found.id);
-  if (known == last.end() || parameters_.refinement != "photometric") return std::nullopt;
-  auto marker = expectedMarker(camera_, known->second, found);
-  const bool usable = marker && marker->image.blur_sd > 0.0 && marker->image.contrast > 0.0;
-  return usable ? marker : std::nullopt;
+const CameraModel& DockDetector::camera() const {
+  return implementation_->pipeline.camera();
 }
 
-DetectionResult DockDetector::evaluate(const cv::Mat& image, const std::vector<MarkerCorners>& found,
-                                       const std::map<int, DetectedMarker>& last) const {
-  checkImage(image, camera_);
-  const cv::Mat grey = withoutShadows(image, found);
-  DetectionResult result;
-  std::set<int> followed;
-  for (const MarkerCorners& corners : found) {
-    const auto size = layout_.sizeOf(corners.id);
-    if (!size) continue;
-    auto marker = expected(corners, last);
-    if (marker) followed.insert(corners.id);
-    if (!marker) marker = estimateMarker(camera_, corners, *size, priorOf(corners.id), parameters_.pose);
-    if (marker) {
-      result.markers.push_back(*marker);
-    } else {
-      ++result.refused;
-    }
-  }
-  const bool photometric = parameters_.refinement == "photometric";
-  if (photometric) refineMarkers(grey, followed, result);
-  result.dock = estimateDock(camera_, result.markers, layout_, parameters_.selection, up_, parameters_.pose);
-  if (photometric) {
-    refineBundle(grey, camera_, patterns_, refiner_, layout_, up_, parameters_.pose, result.markers, result.dock);
-  }
-  addPlacementError(camera_, layout_, parameters_.pose.placement_sigma, result.dock);
-  return result;
-}
-
-PosePrior DockDetector::priorOf(int id) const {
-  PosePrior prior;
-  // Only the dock's own markers are known to stand upright.
-  if (layout_.markers.count(id)) prior.up = up_;
-  return prior;
-}
-
-/// Where several markers together leave one pose of the dock only, each one's branch is known.
-void DockDetector::keepDecided(const std::vector<DockHypothesis>& dock, DetectedMarker& marker) const {
-  const auto place = layout_.markers.find(marker.image.id);
-  if (place == layout_.markers.end() || dock.size() != 1 || dock.front().marker_ids.size() < 2) return;
-  keepNearest(dock.front().pose * place->second.T_dock_marker(), marker);
-}
-
-void DockDetector::refineMarkers(const cv::Mat& grey, const std::set<int>& followed, DetectionResult& result) const {
-  const auto dock = estimateDock(camera_, result.markers, layout_, "bundle", up_, parameters_.pose);
-  std::vector<DetectedMarker> kept;
-  for (DetectedMarker& marker : result.markers) {
-    const int id = marker.image.id;
-    const auto fit = [&](bool from_last) {
-      keepDecided(dock, marker);
-      return refinePhotometrically(grey, camera_, patterns_.of(id), refiner_, priorOf(id), parameters_.pose, marker,
-                                   from_last);
-    };
-    bool fitted = followed.count(id) && fit(true);
-    if (!fitted) {
-      const bool usable = !followed.count(id) || startAgain(grey, marker);
-      fitted = usable && fit(false);
-    }
-    // The own search is generous with outlines: the grey levels have to prove the code.
-    const bool proved = fitted && marker.image.side() >= parameters_.detector.min_side;
-    if (!proved && (parameters_.detector.search == "own" || marker.hypotheses.empty())) {
-      ++result.refused;
-    } else {
-      kept.push_back(marker);
-    }
-  }
-  result.markers = kept;
-}
-
-/// From its corners, with edges; false, and without hypotheses, when they give no pose.
-bool DockDetector::startAgain(const cv::Mat& grey, DetectedMarker& marker) const {
-  MarkerCorners corners = marker.image;
-  corners.blur_sd = corners.edges_fitted ? corners.blur_sd : 0.0;
-  if (!corners.edges_fitted) detector_.refine(grey, corners);
-  const auto again = estimateMarker(camera_, corners, marker.size, priorOf(corners.id), parameters_.pose);
-  marker.hypotheses.clear();
-  if (again) marker = *again;
-  return again.has_value();
+const DockLayout& DockDetector::layout() const {
+  return implementation_->pipeline.layout();
 }
 
 }  // namespace seater_perception

@@ -48,13 +48,13 @@ std::string jsonPose(const PoseHypothesis& h) {
 }
 
 std::string jsonMarker(const DetectedMarker& m) {
-  const auto& c = m.image.corners;
+  const auto& c = m.corners;
   std::string corners;
   for (std::size_t i = 0; i < 4; ++i) {
     corners += (i ? ", " : "") + list(2, [&](std::size_t k) { return c[i][static_cast<Eigen::Index>(k)]; });
   }
-  return format("{\"id\": %d, \"size\": %.12g, ", m.image.id, m.size) + "\"corners\": [" + corners + "], " +
-         jsonPose(m.best()) + format(", \"ambiguity\": %.12g, \"side_px\": %.12g}", m.ambiguity, m.image.side());
+  return format("{\"id\": %d, \"size\": %.12g, ", m.id, m.size) + "\"corners\": [" + corners + "], " +
+         jsonPose(m.best()) + format(", \"ambiguity\": %.12g, \"side_px\": %.12g}", m.ambiguity, m.side);
 }
 
 }  // namespace
@@ -76,8 +76,8 @@ std::string table(const DetectionResult& result) {
   std::string text = "   id  distance mm  lateral mm  angle deg  side px  error px  ambiguity\n";
   for (const DetectedMarker& m : result.markers) {
     const Placement p = markerPlacement(m.best().pose);
-    text += format("%5d  %11.1f  %10.1f  %9.2f  %7.1f  %8.3f  %9.2f\n", m.image.id, 1e3 * p.distance, 1e3 * p.lateral,
-                   kDegrees * p.angle, m.image.side(), m.best().error, m.ambiguity);
+    text += format("%5d  %11.1f  %10.1f  %9.2f  %7.1f  %8.3f  %9.2f\n", m.id, 1e3 * p.distance, 1e3 * p.lateral,
+                   kDegrees * p.angle, m.side, m.best().error, m.ambiguity);
   }
   for (const DockHypothesis& h : result.dock) {
     const Eigen::Vector3d t = h.pose.translation();

@@ -10,17 +10,17 @@ namespace {
 
 /// A marker of the dock as one image shows it.
 struct Sighting {
-  const DetectedMarker* seen;
+  const MarkerEstimate* seen;
   const DockMarker* place;
   Correspondences points;  // in the dock frame
 };
 
 using Group = std::vector<Sighting>;
 
-Group sightings(const CameraModel& camera, const std::vector<DetectedMarker>& markers, const DockLayout& layout,
+Group sightings(const CameraModel& camera, const std::vector<MarkerEstimate>& markers, const DockLayout& layout,
                 const PoseParameters& parameters) {
   Group group;
-  for (const DetectedMarker& marker : markers) {
+  for (const MarkerEstimate& marker : markers) {
     const auto place = layout.markers.find(marker.image.id);
     if (place == layout.markers.end()) continue;
     auto points = markerCorrespondences(camera, marker.image, marker.size, parameters);
@@ -137,7 +137,7 @@ std::vector<DockHypothesis> bundle(const CameraModel& camera, Group group, const
 
 }  // namespace
 
-std::vector<DockHypothesis> estimateDock(const CameraModel& camera, const std::vector<DetectedMarker>& markers,
+std::vector<DockHypothesis> estimateDock(const CameraModel& camera, const std::vector<MarkerEstimate>& markers,
                                          const DockLayout& layout, const std::string& selection,
                                          const Eigen::Vector3d& up, const PoseParameters& parameters) {
   Group group = sightings(camera, markers, layout, parameters);

@@ -8,11 +8,6 @@
 
 namespace seater_perception {
 
-/// One possible pose of the dock in the optical frame (T_optical_dock).
-struct DockHypothesis : PoseHypothesis {
-  std::vector<int> marker_ids;  ///< whose corners went into it, ascending
-};
-
 /// Pose of the dock from its markers in one image, most probable first; several when the image does not decide.
 ///
 /// "lowest_id": the visible marker with the lowest id alone. "bundle": all corners of all visible markers, refined
@@ -21,7 +16,7 @@ struct DockHypothesis : PoseHypothesis {
 /// are ignored.
 ///
 /// `up`: unit vector pointing up, in the optical frame.
-std::vector<DockHypothesis> estimateDock(const CameraModel& camera, const std::vector<DetectedMarker>& markers,
+std::vector<DockHypothesis> estimateDock(const CameraModel& camera, const std::vector<MarkerEstimate>& markers,
                                          const DockLayout& layout, const std::string& selection,
                                          const Eigen::Vector3d& up, const PoseParameters& parameters);
 

@@ -3,19 +3,10 @@
 #include <optional>
 #include <vector>
 
+#include "pose/pose.h"
 #include "seater_perception/parameters.h"
-#include "seater_perception/pose.h"
 
 namespace seater_perception {
-
-/// One possible pose of a marker or a dock in the optical frame.
-struct PoseHypothesis {
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  Matrix6d covariance = Matrix6d::Zero();  ///< see poseCovariance
-  double error = 0.0;                      ///< rms reprojection error [px]
-  double chi_squared = 0.0;                ///< squared reprojection error over the corners' variance
-  double weight = 1.0;                     ///< probability among its competitors, 0..1
-};
 
 /// What a pose has to be compared with to be believed.
 struct PosePrior {
@@ -39,18 +30,6 @@ void weigh(std::vector<PoseHypothesis>& hypotheses, std::size_t corners, const P
 
 /// The part m of weigh()'s cost: what the prior says against a pose, up to a constant.
 double tiltCost(const PoseHypothesis& hypothesis, const PosePrior& prior, double tilt_sigma);
-
-/// Covariance about the first one's pose of all hypotheses together (second moment of the mixture by their weights):
-/// what a single published pose has to say while the image has not decided.
-template <typename Hypothesis>
-Matrix6d mixtureCovariance(const std::vector<Hypothesis>& hypotheses) {
-  Matrix6d covariance = Matrix6d::Zero();
-  for (const PoseHypothesis& h : hypotheses) {
-    const auto d = poseDifference(hypotheses.front().pose, h.pose);
-    covariance += h.weight * (h.covariance + d * d.transpose());
-  }
-  return covariance;
-}
 
 /// Whether a pose's covariance says anything: rotation better than 2 rad, position than half the distance.
 bool meaningful(const PoseHypothesis& hypothesis);

@@ -18,11 +18,11 @@ std::optional<Correspondences> markerCorrespondences(const CameraModel& camera, 
   return points;
 }
 
-std::optional<DetectedMarker> estimateMarker(const CameraModel& camera, const MarkerCorners& marker, double size,
+std::optional<MarkerEstimate> estimateMarker(const CameraModel& camera, const MarkerCorners& marker, double size,
                                              const PosePrior& prior, const PoseParameters& parameters) {
   const auto points = markerCorrespondences(camera, marker, size, parameters);
   if (!points) return std::nullopt;
-  DetectedMarker result;
+  MarkerEstimate result;
   result.image = marker;
   result.size = size;
   result.hypotheses = refineAll(camera, *points, squareSolutions(*points));

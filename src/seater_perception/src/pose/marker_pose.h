@@ -8,8 +8,8 @@
 
 namespace seater_perception {
 
-/// A marker whose pose is known: what is published of it.
-struct DetectedMarker {
+/// A marker whose pose is known, with all that the next stages and the next image's fit begin with.
+struct MarkerEstimate {
   MarkerCorners image;                     ///< id and corners in the image
   double size = 0.0;                       ///< side of the print [m]
   std::vector<PoseHypothesis> hypotheses;  ///< of T_optical_marker: one or two, most probable first
@@ -17,8 +17,6 @@ struct DetectedMarker {
   bool branch_known = false;               ///< other markers or images tell which of the two poses it is
 
   const PoseHypothesis& best() const { return hypotheses.front(); }
-  /// Covariance of best().pose for those who see no other hypothesis: covers all of them.
-  Matrix6d covariance() const { return mixtureCovariance(hypotheses); }
 };
 
 /// The four corners of a marker of side `size` [m], in its own frame; nothing when they cannot be undistorted.
@@ -32,7 +30,7 @@ std::vector<Eigen::Isometry3d> squareSolutions(const Correspondences& corners);
 
 /// Pose of one marker: both solutions, each refined, weighed by reprojection error and prior. Nothing when the pose is
 /// degenerate or its reprojection error is larger than parameters allow.
-std::optional<DetectedMarker> estimateMarker(const CameraModel& camera, const MarkerCorners& marker, double size,
+std::optional<MarkerEstimate> estimateMarker(const CameraModel& camera, const MarkerCorners& marker, double size,
                                              const PosePrior& prior, const PoseParameters& parameters);
 
 }  // namespace seater_perception

@@ -1,4 +1,4 @@
-#include "seater_perception/pose.h"
+#include "pose/pose.h"
 
 #include <visp3/vision/vpPose.h>
 
@@ -6,18 +6,14 @@
 #include <cmath>
 #include <limits>
 
+#include "numerics/skew.h"
+
 namespace seater_perception {
 namespace {
 
 constexpr double kVvsEpsilon = 1e-18;  // change of the squared error, in undistorted coordinates: 1e-6 px
 constexpr int kVvsSteps = 100;
 constexpr double kSmallestEigenvalue = 1e-9;  // of J^T J after scaling to its diagonal; 1 would be perfect
-
-Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
 
 vpHomogeneousMatrix toVisp(const Eigen::Isometry3d& pose) {
   vpHomogeneousMatrix result;
@@ -131,7 +127,7 @@ std::optional<Matrix6d> poseCovariance(const CameraModel& camera, const Correspo
 Matrix6d transportCovariance(const Matrix6d& covariance, const Eigen::Isometry3d& T_a_b,
                              const Eigen::Isometry3d& T_b_c) {
   Matrix6d A = Matrix6d::Identity();
-  A.topRightCorner<3, 3>() = -cross(T_a_b.linear() * T_b_c.translation());
+  A.topRightCorner<3, 3>() = -skew(T_a_b.linear() * T_b_c.translation());
   return A * covariance * A.transpose();
 }
 
@@ -139,7 +135,7 @@ Eigen::Matrix<double, 2, 6> pixelByPose(const CameraModel& camera, const Eigen::
                                         const Eigen::Vector3d& point) {
   const Eigen::Matrix<double, 2, 3> by_point = camera.projectionJacobian(point);
   Eigen::Matrix<double, 2, 6> J;
-  J << by_point, -by_point * cross(arm);
+  J << by_point, -by_point * skew(arm);
   return J;
 }
 

@@ -166,7 +166,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
                         double latency, double processing_time) {
     char line[120];
     std::snprintf(line, sizeof(line), "latency %.0f ms, processing %.1f ms", 1e3 * latency, 1e3 * processing_time);
-    const cv::Mat image = annotate(grey, detector_->detector().camera(), parameters_.dock, result, {line});
+    const cv::Mat image = annotate(grey, detector_->camera(), parameters_.dock, result, {line});
     annotated_.publish(cv_bridge::CvImage(header, "bgr8", image).toImageMsg());
   }
 

@@ -76,18 +76,18 @@ seater_msgs::MarkerDetectionArray toMessage(const DetectionResult& result, const
   message.header = header;
   for (const DetectedMarker& m : result.markers) {
     seater_msgs::MarkerDetection marker;
-    marker.id = m.image.id;
+    marker.id = m.id;
     marker.size = m.size;
     for (std::size_t i = 0; i < 4; ++i) {
-      marker.corners[i].x = m.image.corners[i].x();
-      marker.corners[i].y = m.image.corners[i].y();
+      marker.corners[i].x = m.corners[i].x();
+      marker.corners[i].y = m.corners[i].y();
     }
     PoseHypothesis pose = m.best();
     pose.covariance = m.covariance();  // the message holds one pose only
     marker.pose = toMessage(pose);
     marker.reprojection_error = m.best().error;
     marker.ambiguity = m.ambiguity;
-    marker.side_px = m.image.side();
+    marker.side_px = m.side;
     message.markers.push_back(marker);
   }
   for (const DockHypothesis& h : result.dock) {

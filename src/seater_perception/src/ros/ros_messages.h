@@ -8,7 +8,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "seater_perception/dock_detector.h"
+#include "seater_perception/camera_model.h"
+#include "seater_perception/detection.h"
 
 namespace seater_perception {
 

@@ -3,39 +3,52 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <opencv2/aruco.hpp>
 #include <optional>
 
 #include "image/image_checks.h"
-#include "search/code/pattern_reader.h"
+#include "search/code/marker_decoder.h"
 #include "search/opencv_search.h"
 #include "search/outline/edge_fit.h"
 #include "search/outline/quad_search.h"
-#include "seater_perception/dock_layout.h"
+#include "seater_perception/errors.h"
 
 namespace seater_perception {
 namespace {
 
-constexpr double kCoarseBand = 0.25;  // [cells] half width of the band for corners that are still some pixels off
-constexpr int kSmallestRegion = 12;   // [px]
-// [px] of the threshold when strong shadows are looked for: with a wider one, their edge grows together with the
-// print's border.
-constexpr int kNarrowWindow = 7;
+// Of a large marker, corners of the fitted code are 0.03 cells off, which may be more than `edge_band_max`. A quarter
+// of a cell holds that and leaves the inner edge of the border out.
+constexpr double kCoarseBand = 0.25;  // [cells] half width of the band
+// Chosen by hand: smaller than a marker of the default `min_side` with its quiet zone.
+constexpr int kSmallestRegion = 12;  // [px]
+// With a wider threshold window, the edge of a strong shadow grows together with the print's border. Chosen by hand,
+// with perception_shadows.
+constexpr int kNarrowWindow = 7;  // [px]
 
-MarkerCorners cornersOf(const PatternReading& reading) {
+/// Markers on their way to a result.
+struct Found {
+  std::vector<MarkerCorners> markers;
+  std::set<int> coarse;    // whose corners have still to be refined
+  std::set<int> doubtful;  // seen at two places
+};
+
+MarkerCorners cornersOf(const DecodedMarker& decoded) {
   MarkerCorners marker;
-  marker.id = reading.id;
-  marker.corners = reading.corners;
-  marker.code_blur = reading.blur;
-  marker.dark = reading.dark;
-  marker.contrast = reading.contrast;
+  marker.id = decoded.id;
+  marker.corners = decoded.corners;
+  marker.template_level = decoded.template_level;
+  marker.dark = decoded.dark;
+  marker.contrast = decoded.contrast;
   return marker;
+}
+
+const MarkerFamily& requireMarkers(const MarkerFamily& family) {
+  if (family.count() == 0) throw ConfigurationError("dictionary: the marker family has no markers");
+  return family;
 }
 
 /// One marker per id. Two outlines of the same print (its inner and outer contour) overlap: the larger one is the
 /// marker's.
-std::vector<MarkerCorners> uniqueMarkers(const std::vector<MarkerCorners>& found,
-                                         std::set<int>* doubtful_ids = nullptr) {
+std::vector<MarkerCorners> uniqueMarkers(const std::vector<MarkerCorners>& found, std::set<int>& doubtful_ids) {
   std::map<int, MarkerCorners> best;
   std::map<int, bool> doubtful;
   for (const MarkerCorners& marker : found) {
@@ -43,57 +56,33 @@ std::vector<MarkerCorners> uniqueMarkers(const std::vector<MarkerCorners>& found
     if (is_new) continue;
     MarkerCorners& other = place->second;
     const double larger = std::max(marker.side(), other.side());
-    if ((marker.centre() - other.centre()).norm() > 0.5 * larger) doubtful[marker.id] = true;
+    if ((centre(marker.corners) - centre(other.corners)).norm() > 0.5 * larger) doubtful[marker.id] = true;
     if (marker.side() > other.side()) other = marker;
   }
   std::vector<MarkerCorners> unique;
   for (const auto& [id, marker] : best) {
     if (!doubtful.count(id))
       unique.push_back(marker);
-    else if (doubtful_ids)
-      doubtful_ids->insert(id);
+    else
+      doubtful_ids.insert(id);
   }
   return unique;
 }
 
 }  // namespace
 
-double MarkerCorners::side() const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) sum += (corners[(i + 1) % 4] - corners[i]).norm();
-  return 0.25 * sum;
-}
-
-double MarkerCorners::minSide() const {
-  double shortest = (corners[1] - corners[0]).norm();
-  for (std::size_t i = 1; i < 4; ++i) shortest = std::min(shortest, (corners[(i + 1) % 4] - corners[i]).norm());
-  return shortest;
-}
-
-Eigen::Vector2d MarkerCorners::centre() const {
-  return 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
-}
-
-cv::Mat withoutShadows(const cv::Mat& grey, const std::vector<MarkerCorners>& markers) {
-  cv::Mat lit = grey;
-  for (const MarkerCorners& marker : markers) {
-    if (!marker.shadow) continue;
-    if (lit.data == grey.data) lit = grey.clone();
-    lift(*marker.shadow, lit);
-  }
-  return lit;
-}
-
 struct MarkerDetector::Implementation {
-  cv::Ptr<cv::aruco::Dictionary> dictionary;
+  MarkerFamily family;
   DetectorParameters parameters;
-  PatternReader reader;
-  std::set<int> ids;
+  MarkerDecoder decoder;
+  OpenCvSearch opencv;
 
-  std::vector<MarkerCorners> search(const cv::Mat& grey, std::set<int>* doubtful, bool strong_shadows) const;
+  std::vector<MarkerCorners> search(const ImageLevels& image, std::set<int>& doubtful, bool strong_shadows) const;
+  void searchNear(const ImageLevels& image, const std::vector<ExpectedMarker>& expected, Found& found) const;
+  SearchResult finish(const cv::Mat& grey, Found& found) const;
   std::vector<MarkerCorners> byOwnSearch(const ImageLevels& image, const cv::Rect& region, bool strong_shadows) const;
   std::optional<MarkerCorners> inShadow(const ImageLevels& image, const Quad& quad,
-                                        const std::optional<PatternReading>& so_far) const;
+                                        const std::optional<DecodedMarker>& so_far) const;
   std::optional<MarkerCorners> outlineNear(const ImageLevels& image, const ExpectedMarker& expected) const;
   std::optional<FittedEdges> edges(const cv::Mat& grey, const MarkerCorners& marker) const;
   void refine(const cv::Mat& grey, MarkerCorners& marker) const;
@@ -109,21 +98,20 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const Ima
   std::vector<MarkerCorners> markers;
   for (Quad quad : findQuads(image.grey()(region), search)) {
     for (auto& corner : quad) corner += Eigen::Vector2d(region.x, region.y);
-    std::optional<PatternReading> reading;
-    if (!strong_shadows) reading = reader.read(image, quad, parameters.min_evidence);
-    std::optional<MarkerCorners> marker = inShadow(image, reading ? reading->corners : quad, reading);
-    if (!marker && reading) marker = cornersOf(*reading);
+    std::optional<DecodedMarker> decoded;
+    if (!strong_shadows) decoded = decoder.decode(image, quad, parameters.min_evidence);
+    std::optional<MarkerCorners> marker = inShadow(image, decoded ? decoded->corners : quad, decoded);
+    if (!marker && decoded) marker = cornersOf(*decoded);
     if (marker && marker->side() >= parameters.min_side) markers.push_back(*marker);
   }
   return markers;
 }
 
 /// All of the image.
-std::vector<MarkerCorners> MarkerDetector::Implementation::search(const cv::Mat& grey, std::set<int>* doubtful,
+std::vector<MarkerCorners> MarkerDetector::Implementation::search(const ImageLevels& image, std::set<int>& doubtful,
                                                                   bool strong_shadows) const {
-  if (parameters.search != "own") return uniqueMarkers(searchByOpenCv(grey, dictionary, ids, parameters), doubtful);
-  const cv::Rect all(0, 0, grey.cols, grey.rows);
-  const ImageLevels image(grey);
+  if (parameters.search != "own") return uniqueMarkers(opencv.find(image.grey()), doubtful);
+  const cv::Rect all(0, 0, image.grey().cols, image.grey().rows);
   std::vector<MarkerCorners> found = byOwnSearch(image, all, false);
   if (found.empty() && strong_shadows) found = byOwnSearch(image, all, true);
   return uniqueMarkers(found, doubtful);
@@ -131,20 +119,19 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::search(const cv::Mat&
 
 /// What can be read, or better than so far, once a shadow's edge across it is taken away.
 std::optional<MarkerCorners> MarkerDetector::Implementation::inShadow(
-    const ImageLevels& image, const Quad& quad, const std::optional<PatternReading>& so_far) const {
-  const auto shadow = reader.shadowEdge(image, quad);
+    const ImageLevels& image, const Quad& quad, const std::optional<DecodedMarker>& so_far) const {
+  const auto shadow = decoder.shadowEdge(image, quad);
   if (!shadow) return std::nullopt;
   const cv::Rect part = shadow->region & cv::Rect(0, 0, image.grey().cols, image.grey().rows);
   if (part.width < kSmallestRegion || part.height < kSmallestRegion) return std::nullopt;
   const Eigen::Vector2d origin(part.x, part.y);
-  cv::Mat lit = image.grey()(part).clone();
-  lift(shadow->seenFrom(origin), lit);
+  const cv::Mat lit = withoutShadows(image.grey()(part), {shadow->seenFrom(origin)});
   Quad there = quad;
   for (auto& corner : there) corner -= origin;
-  auto reading = reader.read(ImageLevels(lit), there, parameters.min_evidence);
-  if (!reading || (so_far && (reading->id != so_far->id || reading->evidence < so_far->evidence))) return std::nullopt;
-  for (auto& corner : reading->corners) corner += origin;
-  MarkerCorners marker = cornersOf(*reading);
+  auto decoded = decoder.decode(ImageLevels(lit), there, parameters.min_evidence);
+  if (!decoded || (so_far && (decoded->id != so_far->id || decoded->evidence < so_far->evidence))) return std::nullopt;
+  for (auto& corner : decoded->corners) corner += origin;
+  MarkerCorners marker = cornersOf(*decoded);
   marker.shadow = shadow;
   return marker;
 }
@@ -153,7 +140,7 @@ std::optional<MarkerCorners> MarkerDetector::Implementation::inShadow(
 std::optional<FittedEdges> MarkerDetector::Implementation::edges(const cv::Mat& grey,
                                                                  const MarkerCorners& marker) const {
   const DetectorParameters& p = parameters;
-  const double cell = marker.minSide() / (dictionary->markerSize + 2);
+  const double cell = shortestSide(marker.corners) / family.cells();
   const double band = std::clamp(p.edge_band * cell, p.edge_band_min, p.edge_band_max);
   const auto narrow = fitEdges(grey, marker.corners, band);
   if (narrow || kCoarseBand * cell < band) return narrow;
@@ -163,20 +150,19 @@ std::optional<FittedEdges> MarkerDetector::Implementation::edges(const cv::Mat& 
 
 void MarkerDetector::Implementation::refine(const cv::Mat& grey, MarkerCorners& marker) const {
   // OpenCV's outlines follow the steps of pixels; the own search has already fitted the code.
-  if (parameters.search != "own") refineSubPixel(grey, dictionary->markerSize + 2, parameters, marker);
+  if (parameters.search != "own") refineSubPixel(grey, family.cells(), parameters, marker);
   if (!parameters.edge_fit) return;
   if (const auto fitted = edges(grey, marker)) {
     marker.corners = fitted->corners;
     marker.edges_fitted = true;
-    marker.blur_sd = fitted->blur_sd;
+    marker.psf_sd = fitted->psf_sd;
   }
 }
 
 /// The marker by its outline, in the part of the image that it should be in.
 std::optional<MarkerCorners> MarkerDetector::Implementation::outlineNear(const ImageLevels& image,
                                                                          const ExpectedMarker& expected) const {
-  Eigen::Vector2d low = expected.corners[0], high = expected.corners[0];
-  for (const auto& corner : expected.corners) low = low.cwiseMin(corner), high = high.cwiseMax(corner);
+  const Eigen::Vector2d low = boundingBox(expected.corners).min(), high = boundingBox(expected.corners).max();
   const double margin = expected.reach + 0.2 * (high - low).maxCoeff() + 3.0;  // the quiet zone and the smoothing too
   const auto whole = [](double x, double limit) { return static_cast<int>(std::clamp(x, 0.0, limit)); };
   const int width = image.grey().cols, height = image.grey().rows;
@@ -184,55 +170,80 @@ std::optional<MarkerCorners> MarkerDetector::Implementation::outlineNear(const I
   const cv::Point last(whole(high.x() + margin + 1.0, width), whole(high.y() + margin + 1.0, height));
   const cv::Rect region(first, last);
   if (region.width < kSmallestRegion || region.height < kSmallestRegion) return std::nullopt;
+  std::set<int> doubtful;
   for (const bool strong_shadows : {false, true}) {
-    for (const MarkerCorners& marker : uniqueMarkers(byOwnSearch(image, region, strong_shadows))) {
+    for (const MarkerCorners& marker : uniqueMarkers(byOwnSearch(image, region, strong_shadows), doubtful)) {
       if (marker.id == expected.id) return marker;
     }
   }
   return std::nullopt;
 }
 
-MarkerDetector::MarkerDetector(const std::string& dictionary, const DetectorParameters& parameters,
+void MarkerDetector::Implementation::searchNear(const ImageLevels& image, const std::vector<ExpectedMarker>& expected,
+                                                Found& found) const {
+  for (const ExpectedMarker& e : expected) {
+    const auto decoded = decoder.decodeNear(e.id, image, e.corners, e.reach, e.min_evidence, e.template_level);
+    std::optional<MarkerCorners> marker;
+    if (decoded) marker = inShadow(image, decoded->corners, decoded);
+    if (!marker && decoded)
+      marker = cornersOf(*decoded);
+    else if (!marker && e.by_outline)
+      marker = outlineNear(image, e);
+    if (!marker) continue;
+    if (e.edges || !decoded || !(decoded->contrast > 0.0)) found.coarse.insert(marker->id);
+    found.markers.push_back(*marker);
+  }
+}
+
+/// Takes the shadows away, once for all markers, and refines corners in that image.
+SearchResult MarkerDetector::Implementation::finish(const cv::Mat& grey, Found& found) const {
+  std::vector<ShadowEdge> shadows;
+  for (const MarkerCorners& marker : found.markers) {
+    if (marker.shadow) shadows.push_back(*marker.shadow);
+  }
+  SearchResult result;
+  result.lit = withoutShadows(grey, shadows);
+  result.doubtful = found.doubtful;
+  result.markers = found.markers;
+  std::sort(result.markers.begin(), result.markers.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  for (MarkerCorners& marker : result.markers) {
+    if (found.coarse.count(marker.id)) refine(result.lit, marker);
+  }
+  return result;
+}
+
+MarkerDetector::MarkerDetector(const MarkerFamily& family, const DetectorParameters& parameters,
                                const std::set<int>& ids)
-    : implementation_(new Implementation{cv::aruco::getPredefinedDictionary(dictionaryNumber(dictionary, "dictionary")),
-                                         parameters, PatternReader(dictionary, ids), ids}) {}
+    : implementation_(new Implementation{requireMarkers(family), parameters, MarkerDecoder(family, ids),
+                                         OpenCvSearch(family, ids, parameters)}) {}
 
 MarkerDetector::~MarkerDetector() = default;
 MarkerDetector::MarkerDetector(MarkerDetector&&) noexcept = default;
 
-std::vector<MarkerCorners> MarkerDetector::detect(const cv::Mat& grey, std::set<int>* doubtful,
-                                                  bool strong_shadows) const {
+SearchResult MarkerDetector::detect(const cv::Mat& grey, const std::vector<ExpectedMarker>& expected,
+                                    bool strong_shadows) const {
   checkImage(grey);
-  std::vector<MarkerCorners> unique = implementation_->search(grey, doubtful, strong_shadows);
-  const cv::Mat lit = withoutShadows(grey, unique);
-  for (MarkerCorners& marker : unique) implementation_->refine(lit, marker);
-  return unique;
+  const ImageLevels image(grey);
+  Found found;
+  found.markers = implementation_->search(image, found.doubtful, strong_shadows);
+  for (const MarkerCorners& marker : found.markers) found.coarse.insert(marker.id);
+  std::vector<ExpectedMarker> missing;
+  for (const ExpectedMarker& e : expected) {
+    if (!found.coarse.count(e.id) && !found.doubtful.count(e.id)) missing.push_back(e);
+  }
+  implementation_->searchNear(image, missing, found);
+  return implementation_->finish(grey, found);
 }
 
-std::vector<MarkerCorners> MarkerDetector::follow(const cv::Mat& grey, const std::vector<ExpectedMarker>& expected,
-                                                  double min_evidence) const {
+SearchResult MarkerDetector::searchNear(const cv::Mat& grey, const std::vector<ExpectedMarker>& expected) const {
   checkImage(grey);
-  std::vector<MarkerCorners> found;
-  if (expected.empty()) return found;
-  const ImageLevels image(grey);
-  for (const ExpectedMarker& e : expected) {
-    const auto reading = implementation_->reader.follow(e.id, image, e.corners, e.reach, min_evidence, e.code_blur);
-    std::optional<MarkerCorners> marker;
-    if (reading) marker = implementation_->inShadow(image, reading->corners, reading);
-    if (!marker && reading)
-      marker = cornersOf(*reading);
-    else if (!marker && e.by_outline)
-      marker = implementation_->outlineNear(image, e);
-    if (!marker) continue;
-    if (e.edges || !reading || !(reading->contrast > 0.0))
-      implementation_->refine(withoutShadows(grey, {*marker}), *marker);
-    found.push_back(*marker);
-  }
-  return found;
+  Found found;
+  implementation_->searchNear(ImageLevels(grey), expected, found);
+  return implementation_->finish(grey, found);
 }
 
 int MarkerDetector::cells() const {
-  return implementation_->reader.cells();
+  return implementation_->decoder.cells();
 }
 
 void MarkerDetector::refine(const cv::Mat& grey, MarkerCorners& marker) const {

@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "seater_perception/dock_detector.h"
 #include "seater_perception/draw.h"
 #include "seater_perception/errors.h"
 #include "seater_perception/report.h"
@@ -121,7 +122,7 @@ DockLayout layoutFrom(const Options& o) {
   YAML::Node node = readYaml(o.markers);
   if (!o.dictionary.empty() && node.IsMap()) node["dictionary"] = o.dictionary;
   DockLayout layout = loadDockLayout(node, o.markers);
-  if (o.size != 0.0) layout.size_of_others = layoutOfEqualMarkers(layout.dictionary, o.size).size_of_others;
+  if (o.size != 0.0) layout.size_of_others = layoutOfEqualMarkers(layout.family, o.size).size_of_others;
   return layout;
 }
 
@@ -154,7 +155,7 @@ fs::path drawingPath(const Options& o, const std::string& image) {
   return fs::path(o.draw) / (fs::path(image).stem().string() + "_detected.png");
 }
 
-void workThrough(const Options& o, const DockDetector& detector, const std::string& image) {
+void workThrough(const Options& o, DockDetector& detector, const std::string& image) {
   const cv::Mat grey = cv::imread(image, cv::IMREAD_GRAYSCALE);
   if (grey.empty()) throw ImageError("cannot be read as an image");
   const DetectionResult result = detector.detect(grey);
@@ -183,7 +184,7 @@ int run(const std::vector<std::string>& arguments) {
     std::cout << kHelp;
     return kSuccess;
   }
-  const DockDetector detector = detectorFrom(o);
+  DockDetector detector = detectorFrom(o);
   if (!o.draw.empty() && o.images.size() > 1 && !fs::is_directory(o.draw)) {
     throw ConfigurationError("--draw: is '" + o.draw + "', must be an existing folder for several images");
   }

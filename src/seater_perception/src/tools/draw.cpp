@@ -64,7 +64,7 @@ std::string words(const char* pattern, const Placement& p) {
 }
 
 void marker(cv::Mat& image, const CameraModel& camera, const DetectedMarker& m, double scale) {
-  const auto& c = m.image.corners;
+  const auto& c = m.corners;
   const int width = std::max(1, cvRound(2.0 * scale));
   for (std::size_t i = 0; i < 4; ++i) line(image, c[i], c[(i + 1) % 4], kOutline, width);
   cv::circle(image, fine(c[0]), cvRound(4.0 * scale) << kShift, kRed, width, cv::LINE_AA, kShift);
@@ -72,7 +72,7 @@ void marker(cv::Mat& image, const CameraModel& camera, const DetectedMarker& m, 
   const Eigen::Vector2d lowest((c[0].x() + c[1].x() + c[2].x() + c[3].x()) / 4.0,
                                std::max({c[0].y(), c[1].y(), c[2].y(), c[3].y()}));
   const cv::Point at(cvRound(lowest.x() - 20.0 * scale), cvRound(lowest.y() + 26.0 * scale));
-  text(image, "id " + std::to_string(m.image.id), at, 0.7 * scale);
+  text(image, "id " + std::to_string(m.id), at, 0.7 * scale);
 }
 
 }  // namespace
@@ -85,9 +85,9 @@ cv::Mat annotate(const cv::Mat& grey, const CameraModel& camera, const DockLayou
   std::vector<std::string> all;
   for (const DetectedMarker& m : result.markers) {
     marker(image, camera, m, scale);
-    all.push_back("marker " + std::to_string(m.image.id) + ": " +
+    all.push_back("marker " + std::to_string(m.id) + ": " +
                   words("%.3f m away, %+.3f m right, turned %+.1f deg, ", markerPlacement(m.best().pose)) +
-                  std::to_string(std::lround(m.image.side())) + " px");
+                  std::to_string(std::lround(m.side)) + " px");
   }
   if (!result.dock.empty()) {
     dock(image, camera, layout, result.dock.front(), scale);

@@ -8,6 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_common.marker_family import marker_family
+
 Image = NDArray[np.uint8]
 KINDS = ("noise", "checkerboard", "text", "foliage", "other dictionaries")
 OTHER_IDS = "same dictionary, other ids"  # nothing for who looks for the dock's ids alone
@@ -91,8 +93,7 @@ def _other_dictionaries(random: np.random.Generator, width: int, height: int) ->
     page = np.full((height, width), 150, np.uint8)
     for _ in range(12):
         name = OTHERS[int(random.integers(len(OTHERS)))]
-        markers = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
-        drawn = cv2.aruco.drawMarker(markers, int(random.integers(0, 30)), 180)
+        drawn = marker_family(name).image(int(random.integers(0, 30)), 180)
         sheet = cv2.copyMakeBorder(np.where(drawn > 127, 215, 40).astype(np.uint8), 26, 26, 26, 26, 0, value=215)
         side = int(random.integers(24, 260))
         small = cv2.resize(sheet, (side, side), interpolation=cv2.INTER_AREA)
@@ -105,9 +106,9 @@ def _other_dictionaries(random: np.random.Generator, width: int, height: int) ->
 def _other_ids(random: np.random.Generator, width: int, height: int) -> Image:
     """Two dozen small markers of the dictionary, with ids that the dock has not: at 12 px codes are much alike."""
     page = np.full((height, width), 150, np.uint8)
-    markers = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
+    family = marker_family(DICTIONARY)
     for _ in range(24):
-        drawn = cv2.aruco.drawMarker(markers, int(random.integers(FIRST_OTHER, 50)), 180)
+        drawn = family.image(int(random.integers(FIRST_OTHER, 50)), 180)
         sheet = cv2.copyMakeBorder(np.where(drawn > 127, 215, 40).astype(np.uint8), 30, 30, 30, 30, 0, value=215)
         side = round(float(random.uniform(12.0, 26.0)) * 240 / 180)
         small = np.rot90(cv2.resize(sheet, (side, side), interpolation=cv2.INTER_AREA), int(random.integers(4)))

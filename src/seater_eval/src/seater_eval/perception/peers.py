@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_common.marker_family import marker_family
 from seater_eval.run.silence import silence
 
 Array = NDArray[np.float64]
@@ -69,8 +70,9 @@ def _opencv(name: str, K: Array, size: float, dictionary: str) -> Detector:
         "opencv_apriltag": cv2.aruco.CORNER_REFINE_APRILTAG,
     }[name]
     parameters = detector_parameters(method)
-    markers = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, dictionary))
-    cells = markers.markerSize + 2
+    family = marker_family(dictionary)
+    markers, cells = family.dictionary(), family.cells
+    parameters.markerBorderBits = family.border
     distortion = np.zeros(5)
 
     def detect(image: Image) -> list[Seen]:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
+from seater_common.marker_family import marker_family
 from seater_eval.perception.degraded_camera import DegradedCamera
 
 Array = NDArray[np.float64]
@@ -36,9 +37,7 @@ class Print:
 @lru_cache(maxsize=256)
 def marker_cells(dictionary: str, marker_id: int) -> NDArray[np.float32]:
     """(n, n), row 0 on top as the print is read: 1 white, 0 black; the black border is part of it."""
-    markers = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, dictionary))
-    drawn = cv2.aruco.drawMarker(markers, marker_id, markers.markerSize + 2)
-    return np.asarray(drawn > 127, dtype=np.float32)
+    return np.asarray(marker_family(dictionary).print_of(marker_id), dtype=np.float32)
 
 
 def corners_of(print_: Print, K: Array, scale: float = 1.0) -> Array:

@@ -1,7 +1,8 @@
 // A chunk of pixels on its way through the photometric kernel; small enough to stay in the processor's first cache.
 #pragma once
 
-#include "numerics/fast_normal.h"
+#include "numerics/normal.h"
+#include "numerics/vector_clones.h"
 #include "photometric/kernel/photometric_kernel.h"
 
 namespace seater_perception {

@@ -5,7 +5,7 @@
 #include "marker/marker_plane.h"
 #include "numerics/robust_loss.h"
 #include "photometric/samples/photometric_batch.h"
-#include "seater_perception/brightness.h"
+#include "seater_perception/marker_pattern.h"
 
 namespace seater_perception {
 

@@ -4,7 +4,13 @@
 
 #include "image/ray_grid.h"
 #include "photometric/samples/photometric_batch.h"
-#include "seater_perception/photometric.h"
+#include "seater_perception/camera_model.h"
+#include "seater_perception/marker_pattern.h"
+#include "seater_perception/parameters.h"
+
+namespace cv {
+class Mat;
+}
 
 namespace seater_perception {
 

@@ -5,15 +5,20 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "numerics/fast_normal.h"
+#include "numerics/vector_clones.h"
 
 namespace seater_perception {
 namespace {
 
+// A bilinear sample sees about 1 px: four of them see about a quarter of a cell of 4 px, which they stand for.
 constexpr double kSeveralFrom = 4.0;  // [px] of a cell: four points round each of the grid, at a level with such cells
-constexpr float kApart = 0.14f;       // [cells] these from that, to each side: the blur is then nearly the print's own
+// Two points at +-0.14 have a standard deviation of 0.14 cells, that of a half cell's width (0.5 / sqrt(12)): together
+// they stand for their quarter of the cell, and what blur they find is the print's own.
+constexpr float kApart = 0.14f;  // [cells] these from that, to each side
+// More levels than any image needs; a level of less than 24 px could not hold a print with its quiet zone.
 constexpr int kMostLevels = 8, kSmallestLevel = 24;
-constexpr float kNearestPlane = 0.05f;  // of the homography's third coordinate
+// Of the homography's third coordinate, 1 in the print's first corner: below, the plane runs off behind the camera.
+constexpr float kNearestPlane = 0.05f;
 
 }  // namespace
 
@@ -45,12 +50,6 @@ SquareToQuad::SquareToQuad(const Quad& q) {
   H_ = unit * centred;
 }
 
-double meanSide(const Quad& q) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) sum += (q[(i + 1) % 4] - q[i]).norm();
-  return 0.25 * sum;
-}
-
 namespace {
 
 /// Bilinear; false outside of the image.
@@ -71,6 +70,7 @@ bool greyAt(const cv::Mat& image, const Eigen::Vector3f& p, float& grey) {
   return true;
 }
 
+// Enough for 15 cells a side (four points to a sample): larger families take the slower way, point by point.
 constexpr int kMostInRow = 64;
 
 /// Points of a row of the grid in the image: number of the upper left pixel, and how far beyond it.

@@ -5,8 +5,8 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "numerics/quad.h"
 #include "search/code/pattern_template.h"
-#include "search/outline/quad_search.h"
 
 namespace seater_perception {
 
@@ -47,7 +47,5 @@ class SquareToQuad {
  private:
   Eigen::Matrix3d H_;
 };
-
-double meanSide(const Quad& quad);
 
 }  // namespace seater_perception

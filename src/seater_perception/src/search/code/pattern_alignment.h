@@ -9,23 +9,29 @@ namespace seater_perception {
 
 /// A code on its way to the image.
 struct Alignment {
-  static constexpr int kStartBlur = 6;  // of TemplateBook::kBlurs: wide enough to pull from a third of a cell away
+  /// 0.36 cells: wide enough to pull from a third of a cell away.
+  static constexpr int kStartLevel = 6;
 
-  int id = 0, blur = kStartBlur;
-  Quad quad;  ///< in the print's order [px]
+  int id = 0;
+  int level = kStartLevel;  ///< template blur level: index into TemplateBook::kTemplateSd
+  Quad quad;                ///< in the print's order [px]
   ImageLevels::Samples samples;
   PatternTemplate::Fit fit;
-  std::shared_ptr<const PatternTemplate> moving;  ///< instead of the book's: blurred by a motion of the image
-  Eigen::VectorXf free;                           ///< 0 where something covers the print; empty: nothing does
+  std::shared_ptr<const PatternTemplate> motion_blurred;  ///< in place of the book's, when the image moved
+  Eigen::VectorXf free;                                   ///< 0 where something covers the print; empty: nothing does
 
   /// Number of samples that are left out.
   double covered() const { return free.size() == 0 ? 0.0 : static_cast<double>(free.size()) - free.sum(); }
   const Eigen::VectorXf* weights() const { return samples.all() && free.size() == 0 ? nullptr : &samples.weights; }
 };
 
-/// Moves a known code's corners to where it explains most of the image (Gauss-Newton), and chooses the blur.
+/// Moves a known code's corners to where it explains most of the image (Gauss-Newton), and chooses the template blur
+/// level.
 class PatternAligner {
  public:
+  /// Part explained, below which a fit is given up. Chosen by hand, far below what a marker explains in the end.
+  static constexpr double kHopeless = 0.2;
+
   explicit PatternAligner(const TemplateBook& book) : book_(book) {}
 
   /// Samples the image under the quadrilateral; false when too little of it is in the image.
@@ -35,7 +41,7 @@ class PatternAligner {
   /// From corners within about a third of a cell. False, and `a` of no use, when it is not there.
   bool align(const ImageLevels& image, Alignment& a) const;
   /// The same for an image that moved by up to about 8 px during its exposure, in whatever direction.
-  bool alignMoving(const ImageLevels& image, Alignment& a) const;
+  bool alignMotionBlurred(const ImageLevels& image, Alignment& a) const;
   /// Largest deviation of a cell's mean, of what would turn its bit round: above 1, a bit contradicts.
   double worstBit(const Alignment& a) const;
   /// Marks samples of border and quiet zone that deviate; false when nothing or too much does, or the marker is small.
@@ -44,7 +50,7 @@ class PatternAligner {
  private:
   const PatternTemplate& templateOf(const Alignment& a) const;
   bool descend(const ImageLevels& image, Alignment& a) const;
-  bool chooseBlur(Alignment& a) const;
+  bool chooseLevel(Alignment& a) const;
 
   const TemplateBook& book_;
 };

@@ -5,14 +5,16 @@
 #include <cmath>
 
 #include "marker/photometric_model.h"
+#include "numerics/normal.h"
 
 namespace seater_perception {
 namespace {
 
-constexpr double kQuarter = 0.25;       // [cells] of the points from the cells' borders
-constexpr double kDamping = 1e-5;       // of the normal equations' diagonal: motions that the samples do not tell
-constexpr double kFewest = 4.0;         // samples for each unknown
-constexpr double kSmallestGain = 1e-3;  // [grey levels]
+constexpr double kQuarter = 0.25;  // [cells] of the points from the cells' borders: two points a cell, evenly spaced
+// Above what single precision leaves of sums over some 200 samples; damps motions that the samples do not tell.
+constexpr double kDamping = 1e-5;       // of the normal equations' diagonal
+constexpr double kFewest = 4.0;         // samples for each unknown; chosen by hand
+constexpr double kSmallestGain = 1e-3;  // [grey levels] less would divide by nothing
 
 /// The pattern with a black ring instead of its quiet zone; its coordinates are a cell larger.
 MarkerPattern withDarkRing(const MarkerPattern& pattern) {
@@ -28,29 +30,28 @@ MarkerPattern withDarkRing(const MarkerPattern& pattern) {
 }
 
 /// Mean over the two points of a cell along one axis.
-double shareAlong(double sd) {
-  const auto below = [sd](double at) { return 0.5 * std::erfc(-at / (sd * M_SQRT2)); };
-  return below(1.0 - kQuarter) - below(-kQuarter);
+double fractionAlong(double sd) {
+  return normalDistribution((1.0 - kQuarter) / sd) - normalDistribution(-kQuarter / sd);
 }
 
 }  // namespace
 
-PatternGrid::PatternGrid(int cells) : cells_(cells), along_(2 * cells + 2) {
+PatternGrid::PatternGrid(int cells, int border) : cells_(cells), border_(border), along_(2 * cells + 2) {
   for (int i = 0; i < along_; ++i) at_.push_back(static_cast<float>((-kQuarter + 0.5 * i) * 2.0 / cells - 1.0));
 }
 
 int PatternGrid::ring(int row, int column) const {
   const int nearest = std::min({row, column, along_ - 1 - row, along_ - 1 - column});
-  return nearest == 0 ? 0 : nearest <= 2 ? 1 : 2;
+  return nearest == 0 ? 0 : nearest <= 2 * border_ ? 1 : 2;
 }
 
-PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, double blur)
-    : PatternTemplate(grid, pattern, Eigen::Matrix2d(blur * blur * Eigen::Matrix2d::Identity())) {}
+PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, double psf_sd)
+    : PatternTemplate(grid, pattern, Eigen::Matrix2d(psf_sd * psf_sd * Eigen::Matrix2d::Identity())) {}
 
-PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, const Eigen::Matrix2d& blur)
+PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, const Eigen::Matrix2d& psf)
     : columns_(grid.size(), kColumns) {
-  const double sx = std::sqrt(blur(0, 0)), sy = std::sqrt(blur(1, 1)), rho = -blur(0, 1) / (sx * sy);  // pattern: y up
-  own_share_ = shareAlong(sx) * shareAlong(sy);
+  const double sx = std::sqrt(psf(0, 0)), sy = std::sqrt(psf(1, 1)), rho = -psf(0, 1) / (sx * sy);  // pattern: y up
+  own_fraction_ = fractionAlong(sx) * fractionAlong(sy);
   const MarkerPattern dark = withDarkRing(pattern);
   const double half = 0.5 * grid.cells();
   for (int row = 0, i = 0; row < grid.along(); ++row) {
@@ -84,7 +85,7 @@ Eigen::VectorXf PatternTemplate::grey(const Fit& fit) const {
 }
 
 std::optional<PatternTemplate::Fit> PatternTemplate::fit(const Eigen::VectorXf& samples, const Eigen::VectorXf* weights,
-                                                         bool moving) const {
+                                                         bool with_motion) const {
   Eigen::Matrix<double, kColumns, 1> b;
   double squares = 0.0;
   Triangle some;
@@ -117,7 +118,7 @@ std::optional<PatternTemplate::Fit> PatternTemplate::fit(const Eigen::VectorXf& 
   fit.gain = c[kGain];
   fit.quiet = c[kQuiet];
   for (int k = 0; k < kGain; ++k) fit.light[static_cast<std::size_t>(k)] = c[k];
-  if (moving) {
+  if (with_motion) {
     c = L->triangularView<Eigen::Lower>().transpose().solve(z);
     if (!(std::abs(c[kGain]) > kSmallestGain)) return std::nullopt;
     fit.motion = c.tail<8>() / c[kGain];

@@ -13,7 +13,8 @@ namespace seater_perception {
 /// cell from the borders. Coordinates: x right, y down, the black square is -1 .. 1; row by row from the top.
 class PatternGrid {
  public:
-  explicit PatternGrid(int cells);
+  /// `cells`: along the black square, its border of `border` cells on both sides included.
+  explicit PatternGrid(int cells, int border = 1);
 
   int cells() const { return cells_; }
   int along() const { return along_; }  ///< points along a side
@@ -24,27 +25,27 @@ class PatternGrid {
   int ring(int row, int column) const;
 
  private:
-  int cells_, along_;
+  int cells_, border_, along_;
   std::vector<float> at_;
 };
 
-/// A pattern as a camera of a given blur sees it at the points of the grid, and how that changes when its corners move.
-/// The image's samples are fitted linearly: offset, two slopes of the light, gain, what the quiet zone is lighter
-/// than the print's white (negative: dirt, a print cut close on a grey wall), and gain times eight motions of the plane
-/// (as S. Baker and I. Matthews, "Lucas-Kanade 20 years on", IJCV 2004, inverse compositional).
+/// A pattern as a camera of a given point spread function sees it at the points of the grid, and how that changes when
+/// its corners move. The image's samples are fitted linearly: offset, two slopes of the light, gain, what the quiet
+/// zone is lighter than the print's white (negative: dirt, a print cut close on a grey wall), and gain times eight
+/// motions of the plane (as S. Baker and I. Matthews, "Lucas-Kanade 20 years on", IJCV 2004, inverse compositional).
 class PatternTemplate {
  public:
   static constexpr int kColumns = 13, kGain = 3, kQuiet = 4;
   using Columns = Eigen::Matrix<float, Eigen::Dynamic, kColumns>;
   using Triangle = Eigen::Matrix<double, kColumns, kColumns>;
 
-  /// `blur`: standard deviation [cells].
-  PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, double blur);
-  /// `blur`: covariance [cells^2], x right, y down: of an image that moved during its exposure.
-  PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, const Eigen::Matrix2d& blur);
+  /// `psf_sd`: standard deviation of the point spread function [cells].
+  PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, double psf_sd);
+  /// `psf_covariance`: the same with motion blur [cells^2], x right, y down.
+  PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, const Eigen::Matrix2d& psf_covariance);
 
-  /// Share of a cell's own brightness that remains in its four points: what its bit changes there.
-  double ownShare() const { return own_share_; }
+  /// Fraction of a cell's own brightness that remains in its four points: what its bit changes there.
+  double ownFraction() const { return own_fraction_; }
 
   struct Fit {
     double gain = 0.0;              ///< [grey levels] of white over black
@@ -55,8 +56,8 @@ class PatternTemplate {
   };
 
   /// Of samples, of which only those with weight 1 count (0: do not); nothing when they do not suffice. `weights` may
-  /// be null: all count. `moving`: with the motions, else without.
-  std::optional<Fit> fit(const Eigen::VectorXf& samples, const Eigen::VectorXf* weights, bool moving) const;
+  /// be null: all count. `with_motion`: with the motions, else without.
+  std::optional<Fit> fit(const Eigen::VectorXf& samples, const Eigen::VectorXf* weights, bool with_motion) const;
 
   /// Where a motion takes a point of the print.
   static Eigen::Vector2d moved(const Eigen::Matrix<double, 8, 1>& motion, const Eigen::Vector2d& point);
@@ -67,7 +68,7 @@ class PatternTemplate {
 
  private:
   Columns columns_;
-  double own_share_ = 0.0;
+  double own_fraction_ = 0.0;
   Triangle all_;  // Cholesky factor of columns' * columns
 };
 

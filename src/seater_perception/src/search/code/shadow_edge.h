@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <vector>
 
 #include "search/code/image_levels.h"
 
@@ -29,7 +30,8 @@ struct ShadowEdge {
 std::optional<ShadowEdge> findShadowEdge(const PatternGrid& grid, const ImageLevels::Samples& samples,
                                          const Quad& quad);
 
-/// Divides the region (CV_8UC1) by its light, in place.
-void lift(const ShadowEdge& shadow, cv::Mat& grey);
+/// The image (CV_8UC1) as without these shadows, each in its region: a copy, or the image itself where there is none.
+/// Where regions overlap, a pixel is lifted once, by the shadow of the print that it is nearest to.
+cv::Mat withoutShadows(const cv::Mat& grey, const std::vector<ShadowEdge>& shadows);
 
 }  // namespace seater_perception

@@ -3,54 +3,47 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <opencv2/aruco.hpp>
 
 #include "numerics/column_products.h"
-#include "seater_perception/dock_layout.h"
 
 namespace seater_perception {
 namespace {
 
-std::map<int, MarkerPattern> patternsOf(const std::string& dictionary, const std::set<int>& ids) {
-  const auto known = cv::aruco::getPredefinedDictionary(dictionaryNumber(dictionary, "dictionary"));
+std::map<int, MarkerPattern> patternsOf(const MarkerFamily& family, const std::set<int>& ids) {
   std::map<int, MarkerPattern> patterns;
-  for (int id = 0; id < known->bytesList.rows; ++id) {
-    // A dock may name what its dictionary does not have: that is never found.
-    if (ids.empty() || ids.count(id)) patterns.emplace(id, MarkerPattern::fromDictionary(dictionary, id));
+  for (int id = 0; id < family.count(); ++id) {
+    // A dock may name what its family does not have: that is never found.
+    if (ids.empty() || ids.count(id)) patterns.emplace(id, family.pattern(id));
   }
   return patterns;
 }
 
-int cellsOf(const std::string& dictionary) {
-  return cv::aruco::getPredefinedDictionary(dictionaryNumber(dictionary, "dictionary"))->markerSize + 2;
-}
-
 }  // namespace
 
-TemplateBook::TemplateBook(const std::string& dictionary, const std::set<int>& ids)
-    : patterns_(patternsOf(dictionary, ids)), grid_(cellsOf(dictionary)), light_(grid_.size(), 3) {
+TemplateBook::TemplateBook(const MarkerFamily& family, const std::set<int>& ids)
+    : patterns_(patternsOf(family, ids)), grid_(family.cells(), family.border()), light_(grid_.size(), 3) {
   for (int row = 0, i = 0; row < grid_.along(); ++row) {
     for (int column = 0; column < grid_.along(); ++column, ++i) light_.row(i) << 1.0f, grid_.x(column), grid_.y(row);
   }
   light_.colwise().normalize();  // the grid is symmetric: they are orthogonal
 }
 
-const PatternTemplate& TemplateBook::of(int id, int blur) const {
-  auto& place = templates_[{id, blur}];
+const PatternTemplate& TemplateBook::of(int id, int level) const {
+  auto& place = templates_[{id, level}];
   if (!place) {
-    place = std::make_unique<PatternTemplate>(grid_, patterns_.at(id), kBlurs[static_cast<std::size_t>(blur)]);
+    place = std::make_unique<PatternTemplate>(grid_, patterns_.at(id), kTemplateSd[static_cast<std::size_t>(level)]);
   }
   return *place;
 }
 
-const Eigen::MatrixXf& TemplateBook::codes(int blur) const {
-  Eigen::MatrixXf& codes = codes_[static_cast<std::size_t>(blur)];
+const Eigen::MatrixXf& TemplateBook::codes(int level) const {
+  Eigen::MatrixXf& codes = codes_[static_cast<std::size_t>(level)];
   if (codes.cols() > 0) return codes;
   codes.resize(grid_.size(), 4 * static_cast<Eigen::Index>(patterns_.size()));
   const int n = grid_.along();
   Eigen::Index k = 0;
   for (const auto& [id, pattern] : patterns_) {
-    const Eigen::VectorXf values = of(id, blur).values();
+    const Eigen::VectorXf values = of(id, level).values();
     for (int turn = 0; turn < 4; ++turn, ++k) {
       for (int row = 0, i = 0; row < n; ++row) {
         for (int column = 0; column < n; ++column, ++i) {
@@ -66,7 +59,7 @@ const Eigen::MatrixXf& TemplateBook::codes(int blur) const {
   return codes;
 }
 
-std::vector<TemplateBook::Candidate> TemplateBook::compare(const ImageLevels::Samples& samples, int blur,
+std::vector<TemplateBook::Candidate> TemplateBook::compare(const ImageLevels::Samples& samples, int level,
                                                            std::size_t count) const {
   std::vector<Candidate> best;
   if (patterns_.empty() || samples.seen == 0) return best;
@@ -77,7 +70,7 @@ std::vector<TemplateBook::Candidate> TemplateBook::compare(const ImageLevels::Sa
   const Eigen::VectorXf rest = samples.grey - seen * light;
   const float length = rest.norm();
   if (!(length > 0.0f) || !std::isfinite(length)) return best;
-  const Eigen::MatrixXf& known = codes(blur);
+  const Eigen::MatrixXf& known = codes(level);
   Eigen::VectorXf all(known.cols());
   columnDots(known.data(), static_cast<int>(known.rows()), static_cast<int>(known.cols()), rest.data(), all.data());
   all /= length;

@@ -4,27 +4,28 @@
 #include <map>
 #include <memory>
 #include <set>
-#include <string>
 #include <vector>
 
 #include "search/code/image_levels.h"
 #include "search/code/pattern_template.h"
+#include "seater_perception/marker_family.h"
 
 namespace seater_perception {
 
-/// The codes looked for, as templates of several blurs; made when they are needed. Not thread-safe.
+/// The codes looked for, as templates blurred by several point spread functions (levels); made when they are needed.
+/// Not thread-safe.
 class TemplateBook {
  public:
-  static constexpr std::array<double, 11> kBlurs{0.12, 0.145, 0.175, 0.21, 0.25, 0.3,
-                                                 0.36, 0.43,  0.52,  0.62, 0.75};  // [cells] standard deviation
+  static constexpr std::array<double, 11> kTemplateSd{0.12, 0.145, 0.175, 0.21, 0.25, 0.3,
+                                                      0.36, 0.43,  0.52,  0.62, 0.75};  // [cells] standard deviation
 
-  /// `ids`: empty: all of the dictionary. Throws ConfigurationError.
-  TemplateBook(const std::string& dictionary, const std::set<int>& ids);
+  /// `ids`: empty: all of the family.
+  TemplateBook(const MarkerFamily& family, const std::set<int>& ids);
 
   const PatternGrid& grid() const { return grid_; }
   const MarkerPattern& pattern(int id) const { return patterns_.at(id); }
   bool has(int id) const { return patterns_.count(id) > 0; }
-  const PatternTemplate& of(int id, int blur) const;
+  const PatternTemplate& of(int id, int level) const;
 
   /// A code in one of four orientations; `turn`: number of the print's corner that is the quadrilateral's first.
   struct Candidate {
@@ -33,16 +34,16 @@ class TemplateBook {
   };
   /// All codes in all orientations, correlated with samples (slopes of the light taken off); best first, `count` at
   /// most. What was not seen counts as if it were a plane of light.
-  std::vector<Candidate> compare(const ImageLevels::Samples& samples, int blur, std::size_t count) const;
+  std::vector<Candidate> compare(const ImageLevels::Samples& samples, int level, std::size_t count) const;
 
  private:
-  const Eigen::MatrixXf& codes(int blur) const;
+  const Eigen::MatrixXf& codes(int level) const;
 
   std::map<int, MarkerPattern> patterns_;
   PatternGrid grid_;
   mutable std::map<std::pair<int, int>, std::unique_ptr<PatternTemplate>> templates_;
-  mutable std::array<Eigen::MatrixXf, kBlurs.size()> codes_;  // a column for each id and turn, unit length
-  Eigen::Matrix<float, Eigen::Dynamic, 3> light_;             // orthonormal: offset and slopes
+  mutable std::array<Eigen::MatrixXf, kTemplateSd.size()> codes_;  // a column for each id and turn, unit length
+  Eigen::Matrix<float, Eigen::Dynamic, 3> light_;                  // orthonormal: offset and slopes
 };
 
 }  // namespace seater_perception

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
 #include <optional>
+
+#include "numerics/quad.h"
 
 namespace cv {
 class Mat;
@@ -22,10 +22,9 @@ namespace seater_perception {
 /// image, too short) or a corner would move by more than 1.5 `half_band`. When one moves far, all is done again from
 /// there. `grey` is CV_8UC1.
 struct FittedEdges {
-  std::array<Eigen::Vector2d, 4> corners;
-  double blur_sd = 0.0;  ///< standard deviation of the lens' blur, the pixel's own area not included [px]
+  Quad corners;
+  double psf_sd = 0.0;  ///< standard deviation of the lens' PSF, the pixel's own area not included [px]
 };
-std::optional<FittedEdges> fitEdges(const cv::Mat& grey, const std::array<Eigen::Vector2d, 4>& corners,
-                                    double half_band);
+std::optional<FittedEdges> fitEdges(const cv::Mat& grey, const Quad& corners, double half_band);
 
 }  // namespace seater_perception

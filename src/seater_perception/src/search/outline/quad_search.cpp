@@ -8,13 +8,16 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kFilled = 0.82;            // part of the quadrilateral that the outline's hull has to fill
+// Chosen by hand, generously: what is no marker is left for the decoder to refuse. plain_markers_test (turned, tilted,
+// small) and perception_range (far and near end) look for markers that are lost, perception_speed for time that is.
+constexpr double kFilled = 0.82;            // fraction of the quadrilateral that the outline's hull has to fill
 constexpr double kClearlyFilled = 0.96;     // below, something may stick out of the outline
 constexpr double kOutlineTolerance = 0.04;  // of the outline's length
-constexpr double kSolid = 0.75;             // part of the hull that the outline has to enclose
-constexpr double kLargestRatio = 6.0;       // of the longest to the shortest side
-constexpr int kBorder = 1;                  // [px] an outline nearer to the image's border is cut off
+constexpr double kSolid = 0.75;             // fraction of the hull that the outline has to enclose
+constexpr double kLargestRatio = 6.0;       // of the longest to the shortest side: turned by 80 deg
 constexpr double kHullTolerance = 0.012;    // of the outline's length: hull vertices are merged within it
+// The outline runs through dark pixels: in the image's outermost row, what lies beyond is not seen.
+constexpr int kBorder = 1;  // [px]
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -61,15 +64,10 @@ double areaOf(const Quad& q) {
 /// pixels, is inside of the edge.
 bool accept(double min_side, Quad& quad) {
   if (areaOf(quad) < 0.0) std::swap(quad[1], quad[3]);
-  const Eigen::Vector2d centre = 0.25 * (quad[0] + quad[1] + quad[2] + quad[3]);
-  double shortest = std::numeric_limits<double>::infinity(), longest = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double side = (quad[(i + 1) % 4] - quad[i]).norm();
-    shortest = std::min(shortest, side);
-    longest = std::max(longest, side);
-  }
+  const Eigen::Vector2d middle = centre(quad);
+  const double shortest = shortestSide(quad), longest = longestSide(quad);
   if (shortest + 1.0 < min_side || longest > kLargestRatio * shortest) return false;
-  for (auto& c : quad) c += 0.5 * M_SQRT2 * (c - centre).normalized();
+  for (auto& c : quad) c += 0.5 * M_SQRT2 * (c - middle).normalized();
   return true;
 }
 

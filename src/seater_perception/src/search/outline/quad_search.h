@@ -1,17 +1,14 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
 #include <vector>
+
+#include "numerics/quad.h"
 
 namespace cv {
 class Mat;
 }
 
 namespace seater_perception {
-
-/// Outline of a dark quadrilateral, in order round it, clockwise as seen in the image (y down) [px].
-using Quad = std::array<Eigen::Vector2d, 4>;
 
 /// What a search looks for.
 struct QuadSearch {
@@ -20,10 +17,11 @@ struct QuadSearch {
   double min_side = 8.0;  ///< [px] shortest side
 };
 
-/// Dark quadrilaterals on lighter ground in a CV_8UC1 image (or a part of one: coordinates count from its own first
-/// pixel). The image is smoothed by a 3 x 3 window, so that noise makes no outlines, then thresholded once against
-/// the local mean; the convex hull of each outline is reduced to four sides by leaving out the side whose neighbours,
-/// prolonged, add the least area. So corners that blur has rounded off come back.
+/// Outlines of dark quadrilaterals, clockwise as seen in the image (y down), on lighter ground in a CV_8UC1 image (or a
+/// part of one: coordinates count from its own first pixel). The image is smoothed by a 3 x 3 window, so that noise
+/// makes no outlines, then thresholded once against the local mean; the convex hull of each outline is reduced to four
+/// sides by leaving out the side whose neighbours, prolonged, add the least area. So corners that blur has rounded off
+/// come back.
 std::vector<Quad> findQuads(const cv::Mat& grey, const QuadSearch& search);
 
 }  // namespace seater_perception

@@ -15,6 +15,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_common.marker_family import marker_family
 from seater_sim.camera.camera_model import CameraModel
 from seater_sim.camera.view import Frustum, bounding_box
 from seater_sim.world.scene import Sheet
@@ -32,16 +33,9 @@ def marker_cells(dictionary: str, marker_id: int) -> Image:
     """Ink of the marker's cells, (n, n): 255 black, 0 white; the black border is part of it.
 
     Raises:
-        ValueError: the dictionary is not known, or has no such id.
+        ValueError: the family `dictionary` is not known, or has no such id.
     """
-    code = getattr(cv2.aruco, dictionary, None)
-    if not dictionary.startswith("DICT_") or code is None:
-        raise ValueError(f"dictionary: is {dictionary!r}, must be one of OpenCV's, e.g. DICT_4X4_50")
-    markers = cv2.aruco.getPredefinedDictionary(code)
-    if not 0 <= marker_id < len(markers.bytesList):
-        raise ValueError(f"markers: id {marker_id} is not in {dictionary} (0..{len(markers.bytesList) - 1})")
-    cells: Image = cv2.aruco.drawMarker(markers, marker_id, markers.markerSize + 2)
-    return np.asarray(255 - cells, dtype=np.uint8)
+    return np.asarray(255 * (1 - marker_family(dictionary).print_of(marker_id)), dtype=np.uint8)
 
 
 @lru_cache(maxsize=64)

@@ -1,4 +1,4 @@
-#include "photometric/seed_fit.h"
+#include "photometric/branch_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,77 +29,86 @@ constexpr double kSame = 0.25;          // squared distance of two fits' poses, 
 
 }  // namespace
 
-bool SeedFit::descend(PhotometricProblem& problem, RobustLoss loss, double tukey, double done, double part,
-                      bool adapt) {
-  problem.limitBlur(state.blur);
-  if (!problem.evaluate(state, weighing(loss, tukey), part)) return false;
+BranchFit::Descent BranchFit::descend(const PhotometricProblem& problem, const Goal& goal) {
+  Descent descent;
+  problem.limitPsf(state.psf);
+  descent.last = problem.evaluate(state, weighing(goal.loss, goal.tukey), goal.part);
+  if (!descent.last) return descent;
   ++result.iterations;
   double damping = 0.0;
-  int accepted = adapt ? 0 : kSettled;
+  int accepted = goal.adapt_scale ? 0 : kSettled;
   while (budget_ > 0) {
-    double length = 0.0, stretch = 1.0;
     const bool settled = accepted >= kSettled;
-    const LossSums before = problem.loss(weighing(loss, tukey));
+    const LossSums before = descent.last->loss(weighing(goal.loss, goal.tukey));
     // How much longer than its weighted least squares say a step should be, because weights change along it.
+    double stretch = 1.0;
     if (damping == 0.0 && !settled && before.slopes > 0.0)
       stretch = std::clamp(before.weights / before.slopes, 1.0, kLargestStretch);
-    const auto next = problem.step(state, damping, stretch, length);
-    last_length_ = length / stretch;
-    if (next && !scale_guessed_ && length < (settled ? kSettledTolerance : 1.0) * done * scale_ * scale_) {
-      state = *next;
-      return true;
+    Evaluation::Step next = descent.last->step(damping, stretch);
+    descent.last_length = next.squared_length / stretch;
+    const double done = (settled ? kSettledTolerance : 1.0) * goal.done * scale_ * scale_;
+    if (next.state && !scale_guessed_ && next.squared_length < done) {
+      state = std::move(*next.state);
+      descent.converged = true;
+      return descent;
     }
     --budget_;
-    bool better = false;
-    if (next) {
+    std::optional<Evaluation> trial;
+    if (next.state) {
       ++result.iterations;
-      better = problem.evaluate(*next, weighing(loss, tukey), part) &&
-               problem.loss(weighing(loss, tukey)).cost <= before.cost;
+      trial = problem.evaluate(*next.state, weighing(goal.loss, goal.tukey), goal.part);
     }
-    if (better) {
-      state = *next;
+    if (trial && trial->loss(weighing(goal.loss, goal.tukey)).cost <= before.cost) {
+      state = std::move(*next.state);
+      descent.last = std::move(trial);
       damping = damping < 1e-4 ? 0.0 : 0.1 * damping;
       scale_guessed_ = false;
       // With a scale that goes on changing, outliers near its limit could keep the fit from ever ending.
       if (++accepted < kSettled)
-        scale_ = std::clamp(problem.spread(0.5), smallestScale(), std::max(smallestScale(), largest_scale_));
-    } else {
-      damping = std::max(1e-3, 10.0 * damping);
-      if (damping > 1e8) return true;  // no step helps: this is the minimum to within rounding
-      if (!problem.evaluate(state, weighing(loss, tukey), part)) return false;
+        scale_ = std::clamp(descent.last->spread(0.5), smallestScale(), std::max(smallestScale(), largest_scale_));
+      continue;
     }
+    damping = std::max(1e-3, 10.0 * damping);
+    descent.converged = damping > 1e8;  // no step helps: this is the minimum to within rounding
+    if (descent.converged) return descent;
+    // Again, because the scale may have changed since, and with it the weights.
+    descent.last = problem.evaluate(state, weighing(goal.loss, goal.tukey), goal.part);
+    if (!descent.last) return descent;
   }
-  return false;
+  return descent;
 }
 
-void SeedFit::approach(PhotometricProblem& problem) {
+void BranchFit::approach(const PhotometricProblem& problem) {
   if (problem.pixels() < kFewestEdgePixels) return fail("too few pixels in the image");
-  problem.startBrightness(state);
+  state.brightness = problem.initialBrightness(state);
   budget_ = parameters_->max_iterations;
   // What the residuals are like is not known before the first look.
   scale_ = largest_scale_ = kWildScale;
-  if (!problem.evaluate(state, weighing(RobustLoss::huber, parameters_->tukey))) return fail("impossible pose");
-  scale_ = std::max(smallestScale(), problem.spread(0.5));
-  descend(problem, RobustLoss::huber, parameters_->tukey, kCoarseDone, 1.0);
+  const auto first = problem.evaluate(state, weighing(RobustLoss::huber, parameters_->tukey));
+  if (!first) return fail("impossible pose");
+  scale_ = std::max(smallestScale(), first->spread(0.5));
+  const Descent convex = descend(problem, {RobustLoss::huber, parameters_->tukey, kCoarseDone});
   // Where a part is covered, Huber's minimum lies aside and the residuals at the edges are larger than those of flat
   // pixels. The scale goes down to the latter by and by, so that what is covered is forgotten before what is only
   // displaced.
-  const double flat = problem.flatNoise(), noise = std::max(smallestScale(), flat > 0.0 ? flat : problem.spread(0.25));
+  double noise = problem.flatNoise();
+  if (!(noise > 0.0)) noise = (convex.last ? *convex.last : *first).spread(0.25);
+  noise = std::max(smallestScale(), noise);
   for (int i = 0; i < kShrinkings && scale_ > kSuspicious * noise; ++i) {
     scale_ = std::max(noise, kShrink * scale_);
     budget_ = kShrinkBudget;
-    descend(problem, RobustLoss::tukey, kShrinkTukey, kCoarseDone, 1.0, false);
+    descend(problem, {RobustLoss::tukey, kShrinkTukey, kCoarseDone, 1.0, false});
   }
 }
 
-void SeedFit::start(PhotometricProblem& problem) {
+void BranchFit::start(const PhotometricProblem& problem) {
   if (problem.pixels() < kFewestEdgePixels) return fail("too few pixels in the image");
-  problem.startBrightness(state);
+  state.brightness = problem.initialBrightness(state);
   const double noise = problem.flatNoise();
   scale_ = noise > 0.0 ? kLargestScale * std::max(kQuantisation, noise) : kUnknownNoise;
 }
 
-void SeedFit::start(PhotometricProblem& problem, const Brightness& known, const SeedFit* other) {
+void BranchFit::start(const PhotometricProblem& problem, const Brightness& known, const BranchFit* other) {
   if (problem.pixels() < kFewestEdgePixels) return fail("too few pixels in the image");
   const double noise = problem.flatNoise();
   scale_ = noise > 0.0 ? kLargestScale * std::max(kQuantisation, noise) : kUnknownNoise;
@@ -107,87 +116,97 @@ void SeedFit::start(PhotometricProblem& problem, const Brightness& known, const 
   state.brightness = {known};
   if (other) {
     state.brightness = other->state.brightness;
-    state.blur = other->state.blur;
+    state.psf = other->state.psf;
     scale_ = other->scale_;
   }
   boundScale(problem);
 }
 
-double SeedFit::contrast() const {
+double BranchFit::contrast() const {
   double largest = 0.0;
   for (const Brightness& b : state.brightness) largest = std::max(largest, b.used ? b.gain : 0.0);
   return largest;
 }
 
 /// An image without noise is not without model error.
-double SeedFit::smallestScale() const {
+double BranchFit::smallestScale() const {
   return std::max(kQuantisation, kSmallestModelError * contrast());
 }
 
 /// A fit that is caught aside sees large residuals at all edges; they must not pass for noise.
-void SeedFit::boundScale(const PhotometricProblem& problem) {
+void BranchFit::boundScale(const PhotometricProblem& problem) {
   const double noise = problem.flatNoise();
   largest_scale_ = kWildScale;
   if (noise > 0.0) largest_scale_ = kLargestScale * std::max(kQuantisation, noise) + kModelError * contrast();
   scale_ = std::clamp(scale_, smallestScale(), std::max(smallestScale(), largest_scale_));
 }
 
-void SeedFit::firstLook(PhotometricProblem& problem) {
-  if (problem.pixels() < kFewestEdgePixels) return fail("too few pixels in the image");
+std::optional<Evaluation> BranchFit::firstLook(const PhotometricProblem& problem) {
+  if (problem.pixels() < kFewestEdgePixels) {
+    fail("too few pixels in the image");
+    return std::nullopt;
+  }
   boundScale(problem);
   budget_ = kLookBudget;
   const double part = problem.pixels() < kFewPixels ? 1.0 : kPartOfFirstLook;
-  descend(problem, RobustLoss::tukey, parameters_->tukey, kCoarseDone, part);
+  Descent look = descend(problem, {RobustLoss::tukey, parameters_->tukey, kCoarseDone, part});
+  if (!look.last) {
+    fail("impossible pose");
+    return std::nullopt;
+  }
   look_pose_ = state.pose;
-  look_cost_ = problem.loss(weighing(RobustLoss::tukey, parameters_->tukey)).cost - 0.5 * last_length_;
+  look_cost_ = look.last->loss(weighing(RobustLoss::tukey, parameters_->tukey)).cost - 0.5 * look.last_length;
+  return std::move(look.last);
 }
 
-bool SeedFit::clearlyWorseThan(const SeedFit& other) const {
-  const double scale = std::max(other.scale_, scale_);
-  return look_cost_ - other.look_cost_ > kHopeless * scale * scale;
+bool BranchFit::clearlyWorseThan(const BranchFit& best) const {
+  const double scale = std::max(best.scale_, scale_);
+  return look_cost_ - best.look_cost_ > kHopeless * scale * scale;
 }
 
 /// Where two minima lie near to each other the image hardly changes between them: their angle has to be small too.
-bool SeedFit::sameAs(const SeedFit& other, const PhotometricProblem& problem) const {
-  if (Eigen::AngleAxisd(look_pose_.linear().transpose() * other.look_pose_.linear()).angle() > kSameTurn) return false;
-  return problem.distance(look_pose_, other.look_pose_) < kSame * scale_ * scale_;
+bool BranchFit::sameAs(const BranchFit& best, const Evaluation& look) const {
+  if (Eigen::AngleAxisd(look_pose_.linear().transpose() * best.look_pose_.linear()).angle() > kSameTurn) return false;
+  return look.distance(look_pose_, best.look_pose_) < kSame * scale_ * scale_;
 }
 
-void SeedFit::finish(PhotometricProblem& problem) {
+void BranchFit::finish(const PhotometricProblem& problem) {
   budget_ = parameters_->max_iterations;
-  if (!descend(problem, RobustLoss::tukey, parameters_->tukey, kFineDone, 1.0)) return fail("no convergence");
-  judge(problem);
+  const Descent end = descend(problem, {RobustLoss::tukey, parameters_->tukey, kFineDone});
+  if (!end.converged) return fail("no convergence");
+  judge(problem, end);
 }
 
 /// Noise, score and covariance from the residuals of the last evaluation. Covariance of an M-estimator: Huber, "Robust
 /// Statistics", 1981, chapter 7: mean(psi^2) / mean(psi')^2 (J^T J)^-1.
-void SeedFit::judge(const PhotometricProblem& problem) {
+void BranchFit::judge(const PhotometricProblem& problem, const Descent& end) {
+  const Evaluation& last = *end.last;
   const double c2 = parameters_->tukey * parameters_->tukey;
   Weighing own = weighing(RobustLoss::tukey, parameters_->tukey);
-  const LossSums sums = problem.loss(own);
+  const LossSums sums = last.loss(own);
   result.pixels = static_cast<int>(sums.all);
   const double freedom = sums.inliers - problem.unknowns();
   blind = sums.all < kSeen * problem.pixels();
   if (!(freedom > kFewestEdgePixels)) return fail("too few inliers");
-  result.inlier_share = sums.inliers / sums.all;
+  result.inlier_fraction = sums.inliers / sums.all;
   result.rms = std::sqrt(sums.squares / sums.all);
-  result.explained = 1.0 - problem.residualSquares() / std::max(1e-9, problem.greySquares());
+  result.explained = 1.0 - last.residualSquares() / std::max(1e-9, last.greySquares());
   // Weighting takes away from the variance of normal noise: E[w r^2] = sigma^2 (1 - 6 / c^2 + 15 / c^4).
   const double floor = kQuantisation * kQuantisation;
   result.noise_sd = std::sqrt(std::max(floor, sums.weighted / freedom / (1.0 - 6.0 / c2 + 15.0 / (c2 * c2))));
   own.scale = result.noise_sd;
-  result.cost = problem.loss(own).cost - 0.5 * last_length_;
+  result.cost = last.loss(own).cost - 0.5 * end.last_length;
   result.flat_noise = problem.tellsNoise() ? std::max(kQuantisation, problem.flatNoise()) : 0.0;
-  const double end = kClippedEnd * (range_.high - range_.low);
-  result.clipped_low = problem.shareBelow(range_.low + end);
-  result.clipped_high = problem.shareAbove(range_.high - end);
+  const double margin = kClippedEnd * (range_.high - range_.low);
+  result.clipped_low = problem.fractionBelow(range_.low + margin);
+  result.clipped_high = problem.fractionAbove(range_.high - margin);
   result.reduced_chi_square = 1.0;
   if (parameters_->noise_sd > 0.0) {
     const double sd = parameters_->noise_sd, expected = 0.5 * (1.0 - 3.0 / c2 + 5.0 / (c2 * c2));
     own.scale = sd;
-    result.reduced_chi_square = problem.loss(own).cost / (expected * (sums.all - problem.unknowns()) * sd * sd);
+    result.reduced_chi_square = last.loss(own).cost / (expected * (sums.all - problem.unknowns()) * sd * sd);
   }
-  const auto inverse = problem.inversePoseInformation();
+  const auto inverse = last.inversePoseInformation();
   if (!inverse) return fail("degenerate image");
   const double mean_slope = std::max(0.1, sums.slopes / sums.inliers);
   const double variance = std::max(floor, sums.psi2 / freedom) / (mean_slope * mean_slope);

@@ -14,7 +14,7 @@ namespace seater_perception {
 /// of sight beside it, unless both are so far apart that the last image's decision still holds. What else is carried
 /// on is the blur, where `seen` tells none. Covariances stay; chi_squared is 0. Nothing when a corner cannot be
 /// projected.
-std::optional<DetectedMarker> expectedMarker(const CameraModel& camera, const DetectedMarker& last,
+std::optional<MarkerEstimate> expectedMarker(const CameraModel& camera, const MarkerEstimate& last,
                                              const MarkerCorners& seen);
 
 }  // namespace seater_perception

@@ -1,10 +1,15 @@
+// The standard normal law.
 #pragma once
 
 namespace seater_perception {
 
-/// Density and distribution of the standard normal law at h, for loops that a compiler turns into vector code: no call,
-/// no table, no branch. Beyond +-kFlat both are those at +-kFlat. The distribution is Abramowitz and Stegun, "Handbook
-/// of Mathematical Functions", 7.1.26 (2e-7); the density is exact to 1e-6 of its peak.
+/// Distribution function of the standard normal law, and its density.
+double normalDistribution(double h);
+double normalDensity(double h);
+
+/// Both in single precision, for loops that a compiler turns into vector code: no call, no table, no branch. Beyond
+/// +-kFlat both are those at +-kFlat. The distribution is Abramowitz and Stegun, "Handbook of Mathematical
+/// Functions", 7.1.26 (2e-7); the density is exact to 1e-6 of its peak.
 constexpr float kFlat = 4.4F;
 
 struct NormalValue {
@@ -27,10 +32,3 @@ inline NormalValue normalAt(float h) {
 }
 
 }  // namespace seater_perception
-
-/// Compiles a function once for processors with AVX2 and once for all others; the loader picks the right one.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define SEATER_VECTOR_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
-#else
-#define SEATER_VECTOR_CLONES
-#endif

@@ -1,10 +1,10 @@
-#include "pipeline/marker_track.h"
+#include "pipeline/expected_marker.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
-#include "photometric/branch_seeds.h"
+#include "photometric/initial_poses.h"
 #include "seater_perception/dock_layout.h"
 
 namespace seater_perception {
@@ -41,7 +41,7 @@ std::optional<Eigen::Isometry3d> probablePose(const CameraModel& camera, const E
   return pose;
 }
 
-bool decided(const DetectedMarker& marker) {
+bool decided(const MarkerEstimate& marker) {
   const PoseHypothesis& h = marker.best();
   const double cosine = std::abs(h.pose.linear().col(2).dot(h.pose.translation().normalized()));
   const double sd = std::sqrt(h.covariance.bottomRightCorner<3, 3>().trace());
@@ -50,11 +50,11 @@ bool decided(const DetectedMarker& marker) {
 
 }  // namespace
 
-std::optional<DetectedMarker> expectedMarker(const CameraModel& camera, const DetectedMarker& last,
+std::optional<MarkerEstimate> expectedMarker(const CameraModel& camera, const MarkerEstimate& last,
                                              const MarkerCorners& seen) {
-  DetectedMarker marker = last;
+  MarkerEstimate marker = last;
   marker.image = seen;
-  if (!(seen.blur_sd > 0.0)) marker.image.blur_sd = last.image.blur_sd;
+  if (!(seen.psf_sd > 0.0)) marker.image.psf_sd = last.image.psf_sd;
   marker.branch_known = decided(last);
   if (marker.hypotheses.size() == 1 && !marker.branch_known) {
     marker.hypotheses.push_back(marker.hypotheses.front());

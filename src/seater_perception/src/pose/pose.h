@@ -5,11 +5,9 @@
 #include <vector>
 
 #include "seater_perception/camera_model.h"
+#include "seater_perception/detection.h"
 
 namespace seater_perception {
-
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// Points of an object and where they were seen.
 struct Correspondences {

@@ -1,6 +1,6 @@
 // Both poses under which a marker looks nearly the same.
 
-#include "photometric/branch_seeds.h"
+#include "photometric/initial_poses.h"
 
 #include <gtest/gtest.h>
 
@@ -25,15 +25,15 @@ double tilt(const Eigen::Isometry3d& pose) {
   return std::acos(-pose.translation().normalized().dot(pose.linear().col(2)));
 }
 
-DetectedMarker smallMarker() {
-  DetectedMarker marker;
+MarkerEstimate smallMarker() {
+  MarkerEstimate marker;
   marker.image.corners = {Eigen::Vector2d(0.0, 0.0), {22.0, 0.0}, {22.0, 22.0}, {0.0, 22.0}};
   return marker;
 }
 
 }  // namespace
 
-TEST(BranchSeeds, MirroredLooksTheSameFromFarAway) {
+TEST(InitialPoses, MirroredLooksTheSameFromFarAway) {
   const Eigen::Isometry3d pose = farMarker(0.4, 0.1), other = mirrored(pose);
   EXPECT_NEAR(other.linear().determinant(), 1.0, 1e-12);
   EXPECT_TRUE(samePose(mirrored(other), pose));
@@ -44,7 +44,7 @@ TEST(BranchSeeds, MirroredLooksTheSameFromFarAway) {
   }
 }
 
-TEST(BranchSeeds, TiltedIsSteepEnoughAndGoesTheSameWay) {
+TEST(InitialPoses, TiltedIsSteepEnoughAndGoesTheSameWay) {
   const Eigen::Isometry3d flat = farMarker(-std::atan2(0.4, 3.0) + 0.02, 0.07), steep = tilted(flat, 0.3);
   EXPECT_NEAR(tilt(steep), 0.3, 1e-9);
   const Eigen::Vector3d sight = -flat.translation().normalized();
@@ -61,8 +61,8 @@ TEST(BranchSeeds, TiltedIsSteepEnoughAndGoesTheSameWay) {
   EXPECT_NEAR(tilt(tilted(frontal, 0.3)), 0.3, 1e-6);
 }
 
-TEST(BranchSeeds, TheOtherBranchIsOpenUntilSomethingDecides) {
-  DetectedMarker marker = smallMarker();
+TEST(InitialPoses, TheOtherBranchIsOpenUntilSomethingDecides) {
+  MarkerEstimate marker = smallMarker();
   const std::vector<PoseHypothesis> one(1), two(2);
   std::vector<PhotometricBranch> branches(2);
   EXPECT_TRUE(otherBranchOpen(marker, branches, one));
@@ -77,22 +77,22 @@ TEST(BranchSeeds, TheOtherBranchIsOpenUntilSomethingDecides) {
   EXPECT_FALSE(otherBranchOpen(marker, branches, one));
 }
 
-TEST(BranchSeeds, SharpCornersOfALargeMarkerDecide) {
-  DetectedMarker marker = smallMarker();
+TEST(InitialPoses, SharpCornersOfALargeMarkerDecide) {
+  MarkerEstimate marker = smallMarker();
   for (auto& corner : marker.image.corners) corner *= 3.0;
   marker.image.edges_fitted = true;
   marker.hypotheses.resize(2);
   marker.hypotheses[0].pose = farMarker(0.4, 0.1);
   marker.hypotheses[1].pose = mirrored(marker.hypotheses[0].pose);
   marker.hypotheses[1].chi_squared = 20.0;
-  ASSERT_EQ(openSeeds(marker).size(), 1u);
-  EXPECT_TRUE(samePose(openSeeds(marker)[0], marker.hypotheses[0].pose));
+  ASSERT_EQ(openPoses(marker).size(), 1u);
+  EXPECT_TRUE(samePose(openPoses(marker)[0], marker.hypotheses[0].pose));
   marker.hypotheses[1].chi_squared = 10.0;
-  EXPECT_EQ(openSeeds(marker).size(), 2u);
+  EXPECT_EQ(openPoses(marker).size(), 2u);
   marker.hypotheses[1].chi_squared = 20.0;
   marker.image.edges_fitted = false;
-  EXPECT_EQ(openSeeds(marker).size(), 2u);
+  EXPECT_EQ(openPoses(marker).size(), 2u);
   marker.image.edges_fitted = true;
   for (auto& corner : marker.image.corners) corner /= 3.0;
-  EXPECT_EQ(openSeeds(marker).size(), 2u);
+  EXPECT_EQ(openPoses(marker).size(), 2u);
 }

@@ -1,7 +1,7 @@
 // Fits that begin at the last image's poses: what is expected of a followed marker, and that its results are those of
 // a detector that knows no history.
 
-#include "pipeline/marker_track.h"
+#include "pipeline/expected_marker.h"
 
 #include <gtest/gtest.h>
 
@@ -23,10 +23,10 @@ MarkerCorners seenAt(const Eigen::Isometry3d& pose) {
 }
 
 /// As the last image left it, with one pose.
-DetectedMarker known(const Eigen::Isometry3d& pose, double rotation_sd = 0.02) {
-  DetectedMarker marker;
+MarkerEstimate known(const Eigen::Isometry3d& pose, double rotation_sd = 0.02) {
+  MarkerEstimate marker;
   marker.image = seenAt(pose);
-  marker.image.blur_sd = 0.9;
+  marker.image.psf_sd = 0.9;
   marker.size = kSide;
   marker.hypotheses.resize(1);
   marker.hypotheses[0].pose = pose;
@@ -50,15 +50,17 @@ cv::Mat drawn(const scene::Print& print, unsigned seed) {
   return scene::draw(kCamera, "DICT_4X4_50", {print}, scene::Look(), seed);
 }
 
+const DockLayout kAny = layoutOfEqualMarkers("DICT_4X4_50", kSide);
+
 DockTracker trackerOfAny() {
   PerceptionParameters parameters;
   parameters.tracking.full_search_every = 1000;
-  return DockTracker(kModel, layoutOfEqualMarkers("DICT_4X4_50", kSide), parameters, CameraMount());
+  return DockTracker(kModel, kAny, parameters, CameraMount());
 }
 
 }  // namespace
 
-TEST(MarkerTrack, posesFollowTheCorners) {
+TEST(ExpectedMarker, posesFollowTheCorners) {
   for (const double z : {0.35, 1.0, 2.5}) {
     const Eigen::Isometry3d before = scene::upright({0.1 * z, 0.0, z}, 0.5);
     const Eigen::Isometry3d now = scene::upright({0.1 * z + 0.0125 * z, 0.005 * z, 0.99 * z}, 0.51, 0.0, 0.02);
@@ -69,12 +71,12 @@ TEST(MarkerTrack, posesFollowTheCorners) {
     ASSERT_EQ(expected->hypotheses.size(), 1u) << "0.5 rad are decided";
     EXPECT_LT(farthestCorner(expected->best().pose, seen), 0.1) << z;
     EXPECT_LT(turn(expected->best().pose, now), 0.015) << z;
-    EXPECT_EQ(expected->image.blur_sd, 0.9);
+    EXPECT_EQ(expected->image.psf_sd, 0.9);
   }
 }
 
 // A corner that is 0.2 px off turns a marker of 25 px by up to 0.2 rad where only the corners count.
-TEST(MarkerTrack, smallMarkersKeepTheirTilt) {
+TEST(ExpectedMarker, smallMarkersKeepTheirTilt) {
   const Eigen::Isometry3d pose = scene::upright({0.0, 0.0, 2.5}, 0.4);
   MarkerCorners seen = seenAt(pose);
   seen.corners[0].x() += 0.2;
@@ -84,7 +86,7 @@ TEST(MarkerTrack, smallMarkersKeepTheirTilt) {
   EXPECT_LT(turn(expected->best().pose, pose), 0.02);
 }
 
-TEST(MarkerTrack, anOpenTiltGetsItsMirrorImage) {
+TEST(ExpectedMarker, anOpenTiltGetsItsMirrorImage) {
   const Eigen::Isometry3d slight = scene::upright({0.05, 0.02, 2.5}, 0.1);
   const auto open = expectedMarker(kModel, known(slight), seenAt(slight));
   ASSERT_TRUE(open);
@@ -96,17 +98,18 @@ TEST(MarkerTrack, anOpenTiltGetsItsMirrorImage) {
   EXPECT_EQ(expectedMarker(kModel, known(uncertain), seenAt(uncertain))->hypotheses.size(), 1u);
 }
 
-TEST(MarkerTrack, nothingIsExpectedBehindTheCamera) {
+TEST(ExpectedMarker, nothingIsExpectedBehindTheCamera) {
   Eigen::Isometry3d behind = scene::upright({0.0, 0.0, 1.0}, 0.3);
   const MarkerCorners seen = seenAt(behind);
   behind.translation().z() = -1.0;
-  DetectedMarker last = known(scene::upright({0.0, 0.0, 1.0}, 0.3));
+  MarkerEstimate last = known(scene::upright({0.0, 0.0, 1.0}, 0.3));
   last.hypotheses[0].pose = behind;
   EXPECT_FALSE(expectedMarker(kModel, last, seen));
 }
 
 // The same minimum from another beginning: measured at most 0.3 standard deviations (of the noise) apart.
-TEST(MarkerTrack, resultsAreThoseOfADetectorWithoutHistory) {
+TEST(ExpectedMarker, resultsAreThoseOfADetectorWithoutHistory) {
+  DockDetector detector(kModel, kAny, PerceptionParameters(), CameraMount());
   for (const double z : {0.5, 1.0, 2.5}) {
     DockTracker tracker = trackerOfAny();
     double worst = 0.0;
@@ -115,7 +118,7 @@ TEST(MarkerTrack, resultsAreThoseOfADetectorWithoutHistory) {
           3, kSide,
           scene::upright({(0.02 + 0.004 * k) * z, 0.0, z * (1.0 - 0.005 * k)}, 0.45 - 0.012 * k, 0.0, 0.01 * k)};
       const cv::Mat image = drawn(print, k);
-      const auto followed = tracker.detect(image), alone = tracker.detector().detect(image);
+      const auto followed = tracker.detect(image), alone = detector.detect(image);
       ASSERT_EQ(followed.markers.size(), 1u) << z;
       ASSERT_EQ(alone.markers.size(), 1u) << z;
       EXPECT_EQ(followed.full_search, k == 0);
@@ -129,7 +132,7 @@ TEST(MarkerTrack, resultsAreThoseOfADetectorWithoutHistory) {
 }
 
 // Tilted one way, square on, tilted the other way: the track must not stay on the first side.
-TEST(MarkerTrack, changesSidesWithTheMarker) {
+TEST(ExpectedMarker, changesSidesWithTheMarker) {
   for (const double z : {1.2, 2.5}) {
     DockTracker tracker = trackerOfAny();
     int right = 0, all = 0;
@@ -147,7 +150,7 @@ TEST(MarkerTrack, changesSidesWithTheMarker) {
 }
 
 // Constant motion, then 8 px aside of where it leads.
-TEST(MarkerTrack, aWrongPredictionIsMadeGood) {
+TEST(ExpectedMarker, aWrongPredictionIsMadeGood) {
   for (const double z : {0.35, 1.0, 2.5}) {
     for (const double angle : {0.0, 1.6, 3.9}) {
       DockTracker tracker = trackerOfAny();
@@ -166,7 +169,7 @@ TEST(MarkerTrack, aWrongPredictionIsMadeGood) {
 }
 
 // A blank card, another id, nothing: at three sizes, with a history that knows pose, blur and brightness.
-TEST(MarkerTrack, aHistoryIsNoProof) {
+TEST(ExpectedMarker, aHistoryIsNoProof) {
   for (const double z : {0.5, 1.0, 2.5}) {
     const scene::Print print{6, kSide, scene::upright({0.1, 0.0, z}, 0.3)};
     scene::Print other = print;
@@ -180,7 +183,7 @@ TEST(MarkerTrack, aHistoryIsNoProof) {
       DockTracker tracker = trackerOfAny();
       for (unsigned k = 0; k < 3; ++k) ASSERT_EQ(tracker.detect(drawn(print, k)).markers.size(), 1u);
       for (int again = 0; again < 2; ++again) {
-        for (const DetectedMarker& m : tracker.detect(changed).markers) EXPECT_EQ(m.image.id, 17) << z;
+        for (const DetectedMarker& m : tracker.detect(changed).markers) EXPECT_EQ(m.id, 17) << z;
       }
     }
   }

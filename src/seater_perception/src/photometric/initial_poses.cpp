@@ -1,4 +1,4 @@
-#include "photometric/branch_seeds.h"
+#include "photometric/initial_poses.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,8 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kClearlyWorse = 15.0;     // of chi-squared: the corners have decided
-constexpr double kSideForDecision = 40.0;  // [px] smaller markers' corners do not decide
-constexpr double kSteep = 0.17;            // [rad]
+constexpr double kClearlyWorse = 15.0;  // of chi-squared: the corners have decided
+constexpr double kSteep = 0.17;         // [rad]
 
 }  // namespace
 
@@ -36,25 +35,25 @@ Eigen::Isometry3d tilted(const Eigen::Isometry3d& T_optical_marker, double angle
   return result;
 }
 
-std::vector<Eigen::Isometry3d> openSeeds(const DetectedMarker& marker) {
+std::vector<Eigen::Isometry3d> openPoses(const MarkerEstimate& marker) {
   double smallest = marker.hypotheses.front().chi_squared;
   for (const auto& h : marker.hypotheses) smallest = std::min(smallest, h.chi_squared);
-  std::vector<Eigen::Isometry3d> seeds;
+  std::vector<Eigen::Isometry3d> poses;
   for (const auto& h : marker.hypotheses) {
-    const bool decided = marker.image.edges_fitted && marker.image.side() > kSideForDecision;
-    if (!decided || h.chi_squared - smallest < kClearlyWorse) seeds.push_back(h.pose);
+    const bool decided = marker.image.edges_fitted && marker.image.side() > kLargeMarker;
+    if (!decided || h.chi_squared - smallest < kClearlyWorse) poses.push_back(h.pose);
   }
-  return seeds;
+  return poses;
 }
 
-bool otherBranchOpen(const DetectedMarker& marker, const std::vector<PhotometricBranch>& branches,
+bool otherBranchOpen(const MarkerEstimate& marker, const std::vector<PhotometricBranch>& branches,
                      const std::vector<PoseHypothesis>& hypotheses) {
-  const bool small = marker.image.side() <= kSideForDecision;
+  const bool small = marker.image.side() <= kLargeMarker;
   return small && !marker.branch_known && hypotheses.size() == 1 &&
          std::none_of(branches.begin(), branches.end(), [](const PhotometricBranch& b) { return b.hopeless; });
 }
 
-std::vector<Eigen::Isometry3d> steepSeeds(const Eigen::Isometry3d& found) {
+std::vector<Eigen::Isometry3d> steepPoses(const Eigen::Isometry3d& found) {
   return {found, tilted(found, kSteep), tilted(mirrored(found), kSteep)};
 }
 

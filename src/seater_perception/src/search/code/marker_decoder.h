@@ -5,18 +5,18 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <string>
 #include <vector>
 
+#include "numerics/quad.h"
 #include "search/code/image_levels.h"
 #include "search/code/pattern_template.h"
 #include "search/code/shadow_edge.h"
-#include "search/outline/quad_search.h"
+#include "seater_perception/marker_family.h"
 
 namespace seater_perception {
 
-/// What a quadrilateral shows.
-struct PatternReading {
+/// The marker that a quadrilateral shows.
+struct DecodedMarker {
   int id = 0;
   Quad corners;              ///< top-left, top-right, bottom-right, bottom-left as the print is read [px]
   double correlation = 0.0;  ///< of the grey levels, quiet zone and border included, with the code's
@@ -25,34 +25,34 @@ struct PatternReading {
   /// -log((1 - correlation^2) worst_bit): both together. What only resembles a marker has one of them at most.
   /// Each sample left out as covered counts 0.25 against it.
   double evidence = 0.0;
-  int blur = -1;  ///< of the fitted code: number of TemplateBook::kBlurs
-  /// Grey level of its ink, and of its paper over that; contrast 0: a part is covered, or the image moved.
+  int template_level = -1;  ///< template blur level of the fitted code: index into TemplateBook::kTemplateSd
+  /// Grey level of its ink, and of its paper over that; contrast 0: a part is covered, or there is motion blur.
   double dark = 0.0, contrast = 0.0;
 };
 
-/// Compares quadrilaterals with the codes of a dictionary. Grey levels are taken at four points of each cell and in the
-/// quiet zone, and correlated with every code in its four orientations; then the most likely code, blurred as the
-/// camera does, is fitted to them by moving its plane (Gauss-Newton). So corners are exact to about 0.1 px, codes of
+/// Compares quadrilaterals with the codes of a family. Grey levels are taken at four points of each cell and in the
+/// quiet zone, and correlated with every code in its four orientations; then the most likely code, blurred as by
+/// the camera, is fitted to them by moving its plane (Gauss-Newton). So corners are exact to about 0.1 px, codes of
 /// two pixels a cell can be told, and what is not a marker fits badly. Not thread-safe.
-class PatternReader {
+class MarkerDecoder {
  public:
-  /// `ids`: codes that are looked for; empty: all of the dictionary. Throws ConfigurationError.
-  PatternReader(const std::string& dictionary, const std::set<int>& ids);
-  ~PatternReader();
-  PatternReader(PatternReader&&) noexcept;
+  /// `ids`: codes that are looked for; empty: all of the family.
+  MarkerDecoder(const MarkerFamily& family, const std::set<int>& ids);
+  ~MarkerDecoder();
+  MarkerDecoder(MarkerDecoder&&) noexcept;
 
   /// The code that a quadrilateral (clockwise in the image) shows; nothing when there is less than
   /// `min_evidence`, when another code is about as likely, or when a bit contradicts. Of a large marker, a part of
   /// border and quiet zone may be covered.
-  std::optional<PatternReading> read(const ImageLevels& image, const Quad& quad, double min_evidence) const;
+  std::optional<DecodedMarker> decode(const ImageLevels& image, const Quad& quad, double min_evidence) const;
 
   /// The edge of a shadow across what may be a print here, as its quiet zone shows it.
   std::optional<ShadowEdge> shadowEdge(const ImageLevels& image, const Quad& quad) const;
 
   /// A known code whose corners are about here (in the print's order), at most `reach` [px] away (0: only what the fit
-  /// itself reaches, about a third of a cell). `blur`: of its reading in the last image, tried first; -1: not known.
-  std::optional<PatternReading> follow(int id, const ImageLevels& image, const Quad& corners, double reach,
-                                       double min_evidence, int blur = -1) const;
+  /// itself reaches, about a third of a cell). `template_level`: of the last image, tried first; -1: not known.
+  std::optional<DecodedMarker> decodeNear(int id, const ImageLevels& image, const Quad& corners, double reach,
+                                          double min_evidence, int template_level = -1) const;
 
   int cells() const;
 

@@ -1,7 +1,5 @@
 #include "seater_perception/dock_layout.h"
 
-#include <opencv2/aruco.hpp>
-
 #include "seater_perception/errors.h"
 #include "seater_perception/strict_yaml.h"
 
@@ -9,34 +7,7 @@ namespace seater_perception {
 namespace {
 
 constexpr double kMinSize = 0.005, kMaxSize = 2.0;  // [m]
-
-const std::vector<std::pair<std::string, int>>& dictionaries() {
-  using namespace cv::aruco;
-  static const std::vector<std::pair<std::string, int>> table = {
-      {"DICT_4X4_50", DICT_4X4_50},
-      {"DICT_4X4_100", DICT_4X4_100},
-      {"DICT_4X4_250", DICT_4X4_250},
-      {"DICT_4X4_1000", DICT_4X4_1000},
-      {"DICT_5X5_50", DICT_5X5_50},
-      {"DICT_5X5_100", DICT_5X5_100},
-      {"DICT_5X5_250", DICT_5X5_250},
-      {"DICT_5X5_1000", DICT_5X5_1000},
-      {"DICT_6X6_50", DICT_6X6_50},
-      {"DICT_6X6_100", DICT_6X6_100},
-      {"DICT_6X6_250", DICT_6X6_250},
-      {"DICT_6X6_1000", DICT_6X6_1000},
-      {"DICT_7X7_50", DICT_7X7_50},
-      {"DICT_7X7_100", DICT_7X7_100},
-      {"DICT_7X7_250", DICT_7X7_250},
-      {"DICT_7X7_1000", DICT_7X7_1000},
-      {"DICT_ARUCO_ORIGINAL", DICT_ARUCO_ORIGINAL},
-      {"DICT_APRILTAG_16h5", DICT_APRILTAG_16h5},
-      {"DICT_APRILTAG_25h9", DICT_APRILTAG_25h9},
-      {"DICT_APRILTAG_36h10", DICT_APRILTAG_36h10},
-      {"DICT_APRILTAG_36h11", DICT_APRILTAG_36h11},
-  };
-  return table;
-}
+constexpr int kAnyId = 1 << 20;                     // where the family is wrong already, ids are not judged
 
 /// One entry of the list `markers`, as the strict reader fills it.
 struct MarkerEntry {
@@ -47,7 +18,7 @@ struct MarkerEntry {
   int highest_id = 0;
 
   void visit(StrictReader& v) {
-    v.integer("id", id, "", 0, highest_id, "number in the dictionary");
+    v.integer("id", id, "", 0, highest_id, "number in the family");
     v.number("size", size, "m", kMinSize, kMaxSize, "side of the black square");
     v.numbers("position", position, 3, "m", "centre in the dock frame, x y z");
     v.number("normal_yaw", normal_yaw, "rad", -3.1416, 3.1416, "direction in which the print faces");
@@ -99,41 +70,31 @@ std::optional<double> DockLayout::sizeOf(int id) const {
   return found != markers.end() ? std::optional<double>(found->second.size) : size_of_others;
 }
 
-std::vector<std::string> dictionaryNames() {
-  std::vector<std::string> names;
-  for (const auto& entry : dictionaries()) names.push_back(entry.first);
-  return names;
-}
-
-int dictionaryNumber(const std::string& name, const std::string& key) {
-  std::string known;
-  for (const auto& [known_name, number] : dictionaries()) {
-    if (known_name == name) return number;
-    known += (known.empty() ? "" : ", ") + known_name;
-  }
-  throw ConfigurationError(key + ": is '" + name + "', must be one of " + known);
-}
-
-DockLayout layoutOfEqualMarkers(const std::string& dictionary, double size) {
-  dictionaryNumber(dictionary, "dictionary");
+DockLayout layoutOfEqualMarkers(const MarkerFamily& family, double size) {
   if (!(size >= kMinSize && size <= kMaxSize)) {
     throw ConfigurationError("size: is " + std::to_string(size) + ", must be a number from 0.005 to 2 [m]");
   }
   DockLayout layout;
-  layout.dictionary = dictionary;
+  layout.family = family;
   layout.size_of_others = size;
   return layout;
+}
+
+DockLayout layoutOfEqualMarkers(const std::string& family, double size) {
+  return layoutOfEqualMarkers(MarkerFamily::named(family), size);
 }
 
 DockLayout loadDockLayout(const YAML::Node& node, const std::string& prefix) {
   std::vector<std::string> problems;
   StrictReader reader(node, prefix, problems);
   DockLayout layout;
-  reader.choice("dictionary", layout.dictionary, dictionaryNames(), "OpenCV's name of the marker dictionary");
+  std::string family;
+  reader.choice("dictionary", family, MarkerFamily::names(), "name of the marker family");
   const YAML::Node list = reader.take("markers", "the printed markers at the dock", "");
-  int highest_id = 1 << 20;
-  if (!layout.dictionary.empty()) {
-    highest_id = cv::aruco::getPredefinedDictionary(dictionaryNumber(layout.dictionary, ""))->bytesList.rows - 1;
+  int highest_id = kAnyId;
+  if (!family.empty()) {
+    layout.family = MarkerFamily::named(family);
+    highest_id = layout.family.count() - 1;
   }
   if (list.IsDefined()) readMarkers(list, prefix + "/markers", highest_id, layout, problems);
   throwProblems(problems, "wrong dock:");

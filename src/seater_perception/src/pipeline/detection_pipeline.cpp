@@ -1,0 +1,149 @@
+#include "pipeline/detection_pipeline.h"
+
+#include <algorithm>
+
+#include "image/image_checks.h"
+#include "pipeline/expected_marker.h"
+
+namespace seater_perception {
+
+namespace {
+
+/// Only what is not in the layout can be left out of the search.
+std::set<int> idsOf(const DockLayout& layout) {
+  std::set<int> ids;
+  if (layout.size_of_others) return ids;
+  for (const auto& [id, marker] : layout.markers) ids.insert(id);
+  return ids;
+}
+
+/// Of a marker's hypotheses, the one whose attitude is nearest to this pose's.
+void keepNearest(const Eigen::Isometry3d& pose, MarkerEstimate& marker) {
+  const auto turn = [&pose](const PoseHypothesis& h) {
+    return Eigen::AngleAxisd(h.pose.linear().transpose() * pose.linear()).angle();
+  };
+  PoseHypothesis nearest = *std::min_element(marker.hypotheses.begin(), marker.hypotheses.end(),
+                                             [&](const auto& a, const auto& b) { return turn(a) < turn(b); });
+  nearest.weight = 1.0;
+  marker.hypotheses = {nearest};
+  marker.branch_known = true;
+}
+
+}  // namespace
+
+DetectionResult resultOf(const ImageEstimate& estimate, bool full_search) {
+  DetectionResult result;
+  for (const MarkerEstimate& m : estimate.markers) {
+    result.markers.push_back(
+        {m.image.id, m.size, m.image.corners, m.image.side(), m.image.edges_fitted, m.hypotheses, m.ambiguity});
+  }
+  result.dock = estimate.dock;
+  result.refused = estimate.refused;
+  result.full_search = full_search;
+  return result;
+}
+
+DetectionPipeline::DetectionPipeline(const CameraModel& camera, const DockLayout& layout,
+                                     const PerceptionParameters& parameters, const CameraMount& mount)
+    : camera_(camera),
+      layout_(layout),
+      parameters_(parameters),
+      up_(mount.upInOptical()),
+      search_(layout.family, parameters.detector, idsOf(layout)),
+      refiner_(parameters.photometric),
+      patterns_(layout.family) {}
+
+/// Nothing when the fit has to begin with the corners.
+std::optional<MarkerEstimate> DetectionPipeline::expected(const MarkerCorners& found,
+                                                          const std::map<int, MarkerEstimate>& last) const {
+  const auto known = last.find(found.id);
+  if (known == last.end() || parameters_.refinement != "photometric") return std::nullopt;
+  auto marker = expectedMarker(camera_, known->second, found);
+  const bool usable = marker && marker->image.psf_sd > 0.0 && marker->image.contrast > 0.0;
+  return usable ? marker : std::nullopt;
+}
+
+ImageEstimate DetectionPipeline::evaluate(const SearchResult& found, const std::map<int, MarkerEstimate>& last) {
+  const cv::Mat& grey = found.lit;
+  checkImage(grey, camera_);
+  ImageEstimate result;
+  std::set<int> tracked;
+  for (const MarkerCorners& corners : found.markers) {
+    const auto size = layout_.sizeOf(corners.id);
+    if (!size) continue;
+    auto marker = expected(corners, last);
+    if (marker) tracked.insert(corners.id);
+    if (!marker) marker = estimateMarker(camera_, corners, *size, priorOf(corners.id), parameters_.pose);
+    if (marker) {
+      result.markers.push_back(*marker);
+    } else {
+      ++result.refused;
+    }
+  }
+  const bool photometric = parameters_.refinement == "photometric";
+  if (photometric) refineMarkers(grey, tracked, result);
+  result.dock = estimateDock(camera_, result.markers, layout_, parameters_.selection, up_, parameters_.pose);
+  if (photometric) {
+    const PhotometricContext context{grey, camera_, parameters_.pose, refiner_, patterns_};
+    result.dock = refineDock(context, layout_, up_, result.markers, result.dock).dock;
+  }
+  addPlacementError(camera_, layout_, parameters_.pose.placement_sigma, result.dock);
+  return result;
+}
+
+PosePrior DetectionPipeline::priorOf(int id) const {
+  PosePrior prior;
+  // Only the dock's own markers are known to stand upright.
+  if (layout_.markers.count(id)) prior.up = up_;
+  return prior;
+}
+
+/// Where several markers together leave one pose of the dock only, each one's branch is known.
+void DetectionPipeline::keepDecided(const std::vector<DockHypothesis>& dock, MarkerEstimate& marker) const {
+  const auto place = layout_.markers.find(marker.image.id);
+  if (place == layout_.markers.end() || dock.size() != 1 || dock.front().marker_ids.size() < 2) return;
+  keepNearest(dock.front().pose * place->second.T_dock_marker(), marker);
+}
+
+void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& tracked, ImageEstimate& result) {
+  const PhotometricContext context{grey, camera_, parameters_.pose, refiner_, patterns_};
+  const auto dock = estimateDock(camera_, result.markers, layout_, "bundle", up_, parameters_.pose);
+  std::vector<MarkerEstimate> kept;
+  for (MarkerEstimate& marker : result.markers) {
+    const int id = marker.image.id;
+    const PosePrior prior = priorOf(id);
+    // Leaves the poses of the corners where the print contradicts the model; false when nothing was proved.
+    const auto refine = [&](bool as_tracked) {
+      keepDecided(dock, marker);
+      RefinedMarker refined = refineMarker(context, prior, marker, as_tracked);
+      marker = std::move(refined.marker);
+      return refined.outcome == MarkerOutcome::refined || refined.outcome == MarkerOutcome::corners_kept;
+    };
+    bool fitted = tracked.count(id) && refine(true);
+    if (!fitted) {
+      const bool usable = !tracked.count(id) || startAgain(grey, marker);
+      fitted = usable && refine(false);
+    }
+    // The own search is generous with outlines: the grey levels have to prove the code.
+    const bool proved = fitted && marker.image.side() >= parameters_.detector.min_side;
+    if (!proved && (parameters_.detector.search == "own" || marker.hypotheses.empty())) {
+      ++result.refused;
+    } else {
+      kept.push_back(marker);
+    }
+  }
+  result.markers = kept;
+}
+
+/// From its corners, with edges; false, and without hypotheses, when they give no pose.
+bool DetectionPipeline::startAgain(const cv::Mat& grey, MarkerEstimate& marker) const {
+  MarkerCorners corners = marker.image;
+  corners.psf_sd = corners.edges_fitted ? corners.psf_sd : 0.0;
+  if (!corners.edges_fitted) search_.refine(grey, corners);
+  const auto again = estimateMarker(camera_, corners, marker.size, priorOf(corners.id), parameters_.pose);
+  marker.hypotheses.clear();
+  if (again) marker = *again;
+  return again.has_value();
+}
+
+}  // namespace seater_perception

@@ -1,0 +1,167 @@
+#include "search/code/marker_decoder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "search/code/pattern_alignment.h"
+#include "search/code/template_book.h"
+
+namespace seater_perception {
+namespace {
+
+// Before the fit, corners are up to a third of a cell off and correlations low. What is tried then was chosen by hand:
+// it costs time (perception_speed), and what is not tried is not found (plain_markers_test, perception_range).
+constexpr std::size_t kCandidates = 6;  // codes that are fitted
+constexpr double kClearlyBetter = 0.2;  // of correlation: a code so much less likely than the best is not
+constexpr double kWorthFitting = 0.5;   // correlation before the fit
+// What true markers and images without markers reach: the table "Evidence of a code" in docs/results/perception.md, and
+// perception_range (false detections, far end).
+constexpr double kSmallestMargin = 0.045;  // of correlation, over the next best code
+constexpr double kLargestBitError = 0.9;   // of what turns a bit round: at 1 it would read as its opposite
+constexpr double kCostOfCovered = 0.25;    // of evidence, for each sample left out: what is chosen proves less
+// Prints cut close on a grey wall (plain_markers_test: down to 0.4 of the contrast below white) or on a white one. The
+// limits were chosen by hand; beyond the lower one, the quiet zone would be nearer to the ink than to the paper.
+constexpr double kDarkestQuiet = -0.7, kLightestQuiet = 0.5;  // of the contrast, over the print's white
+// Chosen by hand; it saves the time of eight more fits. tracker_cases_test draws motion blur up to 2.4 cells.
+constexpr double kPerhapsMotion = 0.5;  // part explained without motion
+// Half a cell's step leaves every place within about the fit's own reach, a third of a cell.
+constexpr double kGridStep = 0.5;        // [cells] of the search for a code alone
+constexpr double kMostGridSteps = 10.0;  // to each side: bounds the time of a wide `reach`
+
+/// The print's corners of a quadrilateral whose first corner is the print's corner `turn`.
+Quad printed(const Quad& quad, int turn) {
+  Quad corners;
+  for (std::size_t j = 0; j < 4; ++j) corners[j] = quad[(j + 4 - static_cast<std::size_t>(turn)) % 4];
+  return corners;
+}
+
+}  // namespace
+
+struct MarkerDecoder::Implementation {
+  Implementation(const MarkerFamily& family, const std::set<int>& ids) : book(family, ids), aligner(book) {}
+
+  TemplateBook book;
+  PatternAligner aligner;
+
+  std::optional<DecodedMarker> judge(double min_evidence, const Alignment& a) const;
+  std::optional<DecodedMarker> settle(const ImageLevels& image, double min_evidence, Alignment& a) const;
+  std::optional<DecodedMarker> motionBlurred(const ImageLevels& image, double min_evidence,
+                                             const Alignment& still) const;
+};
+
+/// Code, margin and bits of an aligned pattern.
+std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(double min_evidence, const Alignment& a) const {
+  DecodedMarker decoded;
+  decoded.id = a.id;
+  decoded.corners = a.quad;
+  decoded.template_level = a.level;
+  decoded.dark = a.fit.light[0];
+  decoded.contrast = a.motion_blurred || a.free.size() > 0 ? 0.0 : a.fit.gain;
+  decoded.correlation = std::sqrt(std::max(0.0, a.fit.explained));
+  if (!aligner.hasBorder(a.samples)) return std::nullopt;
+  if (a.fit.quiet < kDarkestQuiet * a.fit.gain || a.fit.quiet > kLightestQuiet * a.fit.gain) return std::nullopt;
+  decoded.worst_bit = aligner.worstBit(a);
+  if (!(decoded.worst_bit < kLargestBitError)) return std::nullopt;
+  const double unexplained = 1.0 - decoded.correlation * decoded.correlation;
+  decoded.evidence = -std::log(std::max(1e-9, unexplained * decoded.worst_bit)) - kCostOfCovered * a.covered();
+  if (decoded.evidence < min_evidence) return std::nullopt;
+  const auto likely = book.compare(a.samples, a.level, 2);
+  if (likely.empty() || likely[0].id != a.id || likely[0].turn != 0) return std::nullopt;
+  decoded.margin = likely.size() > 1 ? likely[0].correlation - likely[1].correlation : 1.0;
+  if (decoded.margin < kSmallestMargin) return std::nullopt;
+  return decoded;
+}
+
+/// Fits and judges; when it fails, once more without what covers the print.
+std::optional<DecodedMarker> MarkerDecoder::Implementation::settle(const ImageLevels& image, double min_evidence,
+                                                                   Alignment& a) const {
+  const auto decoded = judge(min_evidence, a);
+  if (decoded || !aligner.leaveOutCovered(a)) return decoded;
+  return aligner.align(image, a) ? judge(min_evidence, a) : std::nullopt;
+}
+
+/// What looks like the code, but not sharp enough: perhaps the image moved.
+std::optional<DecodedMarker> MarkerDecoder::Implementation::motionBlurred(const ImageLevels& image, double min_evidence,
+                                                                          const Alignment& still) const {
+  if (still.fit.explained < kPerhapsMotion) return std::nullopt;
+  Alignment a = still;
+  return aligner.alignMotionBlurred(image, a) ? judge(min_evidence, a) : std::nullopt;
+}
+
+MarkerDecoder::MarkerDecoder(const MarkerFamily& family, const std::set<int>& ids)
+    : implementation_(new Implementation(family, ids)) {}
+MarkerDecoder::~MarkerDecoder() = default;
+MarkerDecoder::MarkerDecoder(MarkerDecoder&&) noexcept = default;
+
+int MarkerDecoder::cells() const {
+  return implementation_->book.grid().cells();
+}
+
+std::optional<ShadowEdge> MarkerDecoder::shadowEdge(const ImageLevels& image, const Quad& quad) const {
+  const PatternAligner& aligner = implementation_->aligner;
+  Alignment a;
+  a.quad = quad;
+  if (!aligner.look(image, a) || !aligner.hasBorder(a.samples)) return std::nullopt;
+  return findShadowEdge(implementation_->book.grid(), a.samples, quad);
+}
+
+std::optional<DecodedMarker> MarkerDecoder::decode(const ImageLevels& image, const Quad& quad,
+                                                   double min_evidence) const {
+  const Implementation& self = *implementation_;
+  Alignment start;
+  start.quad = quad;
+  if (!self.aligner.look(image, start) || !self.aligner.hasBorder(start.samples)) return std::nullopt;
+  const auto likely = self.book.compare(start.samples, Alignment::kStartLevel, kCandidates);
+  for (const auto& candidate : likely) {
+    if (candidate.correlation < std::max(kWorthFitting, likely[0].correlation - kClearlyBetter)) break;
+    Alignment a;
+    a.id = candidate.id;
+    a.quad = printed(quad, candidate.turn);
+    if (!self.aligner.align(image, a)) continue;
+    // When another code is as likely, that is seen here too.
+    if (const auto decoded = self.settle(image, min_evidence, a)) return decoded;
+  }
+  return std::nullopt;
+}
+
+std::optional<DecodedMarker> MarkerDecoder::decodeNear(int id, const ImageLevels& image, const Quad& corners,
+                                                       double reach, double min_evidence, int template_level) const {
+  const Implementation& self = *implementation_;
+  if (!self.book.has(id)) return std::nullopt;
+  Alignment a;
+  a.id = id;
+  a.quad = corners;
+  if (template_level >= 0 && template_level < static_cast<int>(TemplateBook::kTemplateSd.size())) {
+    Alignment same = a;
+    same.level = template_level;
+    if (self.aligner.align(image, same)) {
+      if (const auto decoded = self.judge(min_evidence, same)) return decoded;
+    }
+  }
+  if (self.aligner.align(image, a)) {
+    if (const auto decoded = self.settle(image, min_evidence, a)) return decoded;
+    if (const auto decoded = self.motionBlurred(image, min_evidence, a)) return decoded;
+  }
+  if (!(reach > 0.0)) return std::nullopt;
+  const double step = std::max(1.0, kGridStep * meanSide(corners) / self.book.grid().cells());
+  const int steps = static_cast<int>(std::min(kMostGridSteps, reach / step));
+  const PatternTemplate& pattern = self.book.of(id, Alignment::kStartLevel);
+  Alignment best = a;
+  best.fit.explained = 0.0;
+  for (int y = -steps; y <= steps; ++y) {
+    for (int x = -steps; x <= steps; ++x) {
+      Alignment there;
+      there.id = id;
+      there.quad = corners;
+      for (auto& c : there.quad) c += step * Eigen::Vector2d(x, y);
+      if (!self.aligner.look(image, there)) continue;
+      const auto fit = pattern.fit(there.samples.grey, there.weights(), false);
+      if (fit && fit->gain > 0.0 && fit->explained > best.fit.explained) best = there, best.fit = *fit;
+    }
+  }
+  if (best.fit.explained < PatternAligner::kHopeless || !self.aligner.align(image, best)) return std::nullopt;
+  if (const auto decoded = self.settle(image, min_evidence, best)) return decoded;
+  return self.motionBlurred(image, min_evidence, best);
+}
+
+}  // namespace seater_perception
