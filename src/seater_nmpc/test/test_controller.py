@@ -10,9 +10,9 @@ from seater_nmpc.control.command import Status
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.control.limits import clamp, in_bay
 from seater_nmpc.observe.prediction import CommandHistory, coasting_pose
-from seater_nmpc.ocp.nlp import ProblemData, WarmStart
+from seater_nmpc.ocp.programme import ProblemData, WarmStart
 from seater_nmpc.parameters import ControlParameters, Prediction
-from seater_nmpc.solve.solver import Solution, SolveStatus
+from seater_nmpc.solve.interface import Solution, SolveStatus
 
 PERIOD, CHAIR, DOCK = 0.05, Chair(), Dock()
 T_COMMON_DOCK = np.array([3.0, -1.0, 2.5])
@@ -109,10 +109,10 @@ class FailingSolver:
         solution = self.real.solve(data, start, time_limit)
         if self.mode == "fail":
             return replace(solution, status=SolveStatus.FAILED, x=np.full_like(solution.x, np.nan), text="injected")
-        if self.mode == "gap":
-            return replace(solution, status=SolveStatus.LIMIT, gap=0.5, text="injected")
+        if self.mode == "violation":
+            return replace(solution, status=SolveStatus.LIMIT, violation=0.5, text="injected")
         if self.mode == "limit":
-            return replace(solution, status=SolveStatus.LIMIT, gap=1e-5, text="injected")
+            return replace(solution, status=SolveStatus.LIMIT, violation=1e-5, text="injected")
         return solution
 
 
@@ -122,7 +122,7 @@ def failing(controller):
     return solver, DockingController(CHAIR, DOCK, deterministic=True, solver=solver)
 
 
-@pytest.mark.parametrize("mode", ["fail", "gap"])
+@pytest.mark.parametrize("mode", ["fail", "violation"])
 def test_solver_failure_goes_down_the_chain_to_standing(failing, mode) -> None:
     solver, controller = failing
     poses, commands = drive(controller, (-2.5, 0.0, 0.0), 1.0)

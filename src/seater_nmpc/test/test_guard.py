@@ -12,14 +12,14 @@ from seater_common.se2 import arc_step
 from seater_nmpc.control.command import Status
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.control.limits import clamp
-from seater_nmpc.ocp.nlp import ProblemData, WarmStart
-from seater_nmpc.ocp.ocp import make_problem
+from seater_nmpc.ocp.formulations import make_problem
+from seater_nmpc.ocp.programme import ProblemData, WarmStart
 from seater_nmpc.parameters import ControlParameters
 from seater_nmpc.solve.guard import GuardedSolver
-from seater_nmpc.solve.solver import Solution, SolveStatus, make_solver
+from seater_nmpc.solve.interface import Solution, SolveStatus
+from seater_nmpc.solve.registry import SOLVERS, make_solver
 
 CHAIR, DOCK, PERIOD = Chair(), Dock(), 0.05
-SOLVERS = ("ipopt", "ipopt_default", "fatrop", "rti")
 FALLBACK = {Status.FALLBACK_SHIFTED, Status.FALLBACK_BRAKE}
 AT_WORK, HARMED, AGAIN = 8, 14, 8  # cycles
 
@@ -38,7 +38,7 @@ class Saboteur:
 
     def solve(self, data: ProblemData, start: WarmStart, time_limit=None) -> Solution:
         self.starts.append(start)
-        solution = replace(self.real.solve(data, start, time_limit), status=SolveStatus.SOLVED, gap=0.0)
+        solution = replace(self.real.solve(data, start, time_limit), status=SolveStatus.SOLVED, violation=0.0)
         if self.mode == "raises":
             raise ZeroDivisionError("sabotaged\nsecond line")
         if self.mode == "slow":
@@ -48,10 +48,10 @@ class Saboteur:
             "one infinity": {"x": np.where(np.arange(solution.x.size) == 7, math.inf, solution.x)},
             "multipliers not finite": {"lam_g": np.full_like(solution.lam_g, math.nan)},
             "cost not finite": {"cost": math.nan},
-            "gap not finite": {"gap": math.nan},
+            "violation not finite": {"violation": math.nan},
             "wrong length": {"x": solution.x[:-1]},
             "out of bounds": {"x": solution.x + 10.0},
-            "constraints open": {"gap": 0.5},
+            "constraints violated": {"violation": 0.5},
         }
         return replace(solution, **spoilt.get(self.mode, {}))
 
@@ -61,7 +61,7 @@ def sabotaged(request):
     """Each solver in a controller without a clock, and the same solver's saboteur."""
     parameters = replace(ControlParameters(), solver=request.param, horizon=15, step=0.2)
     problem = DockingController(CHAIR, DOCK, parameters)._replanner._problem
-    real = make_solver(problem.functions, parameters, problem.refinement, problem.curvature)
+    real = make_solver(problem, parameters)
     saboteur = Saboteur(real)
     return saboteur, DockingController(CHAIR, DOCK, parameters, deterministic=True, solver=saboteur)
 
@@ -88,10 +88,10 @@ MODES = {
     "one infinity": "not finite",
     "multipliers not finite": "not finite",
     "cost not finite": "not finite",
-    "gap not finite": "not finite",
+    "violation not finite": "not finite",
     "wrong length": "wrong length",
     "out of bounds": "",
-    "constraints open": "",
+    "constraints violated": "",
 }
 
 
@@ -117,9 +117,9 @@ def test_a_spoilt_result_leads_down_the_chain_and_back(sabotaged, mode) -> None:
 def test_a_late_result_is_not_used_but_gone_on_from(name) -> None:
     """With a clock. The limit is long, so that a loaded machine is not late by itself."""
     base = replace(ControlParameters(), solver=name, horizon=10, step=0.2)
-    parameters = replace(base, ipopt=replace(base.ipopt, max_wall_time=0.5, max_wall_time_cold=5.0))
+    parameters = replace(base, max_wall_time=0.5, max_wall_time_cold=5.0)
     problem = DockingController(CHAIR, DOCK, parameters)._replanner._problem
-    saboteur = Saboteur(make_solver(problem.functions, parameters, problem.refinement, problem.curvature))
+    saboteur = Saboteur(make_solver(problem, parameters))
     controller = DockingController(CHAIR, DOCK, parameters, solver=saboteur)
     controller.warm_up()
     healthy, pose, speed = drive(controller, AT_WORK, [-2.5, 0.4, -0.1], (0.0, 0.0), 0)
@@ -165,10 +165,10 @@ def test_clamp_holds_the_chairs_limits_where_the_chair_is_faster() -> None:
 def test_a_good_solution_passes_unchanged() -> None:
     parameters = replace(ControlParameters(), solver="ipopt", horizon=10, walls=False)
     problem = make_problem(CHAIR, parameters, None)
-    solver = make_solver(problem.functions, parameters)
+    solver = make_solver(problem, parameters)
     state = np.array([-1.0, 0.2, 0.1, 0.0, 0.0])
     start = WarmStart(problem.guess(np.repeat(state[None], 11, axis=0), None))
     solution = GuardedSolver(solver, 1e-3).solve(problem.data(state, None), start)
-    assert solution.status is SolveStatus.SOLVED and solution.gap < 1e-6
+    assert solution.status is SolveStatus.SOLVED and solution.violation < 1e-6
     strict = GuardedSolver(solver, 0.0).solve(problem.data(state, None), start)
     assert strict.status is SolveStatus.LIMIT and np.array_equal(strict.x, solution.x)

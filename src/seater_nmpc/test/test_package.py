@@ -22,7 +22,8 @@ ROOT = Path(__file__).resolve().parents[3]
 
 
 def test_core_imports_no_ros() -> None:
-    sources = list((ROOT / "src/seater_nmpc/src/seater_nmpc").glob("*.py"))
+    package = ROOT / "src/seater_nmpc/src/seater_nmpc"
+    sources = [source for source in package.rglob("*.py") if source.parent.name != "ros"]
     assert len(sources) > 10
     for source in sources:
         assert not re.search(
@@ -55,6 +56,16 @@ def test_a_wrong_key_is_named_in_full() -> None:
         load(NmpcParameters, values, "controller")
     for word in ("controller/control/solver", "magic", "ipopt", "controller/sequence/max_blind_distance", "-1.0"):
         assert word in str(caught.value)
+
+
+def test_the_old_place_of_the_time_limit_is_named() -> None:
+    """It moved from control/ipopt to control, as it holds for every solver."""
+    values = as_mapping(NmpcParameters())
+    values["control"]["ipopt"]["max_wall_time"] = values["control"].pop("max_wall_time")
+    with pytest.raises(ParameterError) as caught:
+        load(NmpcParameters, values, "controller")
+    assert "controller/control/ipopt/max_wall_time: unknown key" in str(caught.value)
+    assert "controller/control/max_wall_time: is missing" in str(caught.value)
 
 
 def test_numbers_are_those_of_the_messages() -> None:

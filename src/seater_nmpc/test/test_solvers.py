@@ -11,13 +11,16 @@ from seater_common.geometry import Chair, Dock, clearance
 from seater_common.se2 import arc_step
 from seater_nmpc.control.command import Status
 from seater_nmpc.control.controller import DockingController
-from seater_nmpc.ocp.constraints import _best_angle
-from seater_nmpc.ocp.geometry import dock_areas
+from seater_nmpc.ocp.areas import dock_areas
+from seater_nmpc.ocp.constraints.corners import best_angle
+from seater_nmpc.ocp.formulations import make_problem
 from seater_nmpc.ocp.model import augmented_step, step_curvature
-from seater_nmpc.ocp.nlp import WarmStart
-from seater_nmpc.ocp.ocp import make_problem, step_lengths
+from seater_nmpc.ocp.problem import step_lengths
+from seater_nmpc.ocp.programme import WarmStart
 from seater_nmpc.parameters import ControlParameters, IpoptParameters, RtiParameters, weight_set
-from seater_nmpc.solve.solver import IpoptSolver, SolveStatus, make_solver
+from seater_nmpc.solve.interface import SolveStatus
+from seater_nmpc.solve.ipopt import IpoptSolver
+from seater_nmpc.solve.registry import make_solver
 
 CHAIR, DOCK = Chair(), Dock()
 AREAS = dock_areas(DOCK)
@@ -31,7 +34,7 @@ def problem():
 
 def build(problem, name: str, **rti):
     parameters = replace(PARAMETERS, solver=name, rti=RtiParameters(**rti))
-    return make_solver(problem.functions, parameters, problem.refinement, problem.curvature)
+    return make_solver(problem, parameters)
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +80,7 @@ def test_one_step_is_nearly_there_feasible_and_honest(problem, instances) -> Non
     for near, data, exact in instances:
         solution = solver.solve(data, near.warm_start())
         plan = problem.plan(solution.x)
-        assert solution.status is SolveStatus.SOLVED and solution.iterations == 1 and solution.gap < 1e-3
+        assert solution.status is SolveStatus.SOLVED and solution.iterations == 1 and solution.violation < 1e-3
         assert plan.states[1, 3:] == pytest.approx(problem.plan(exact.x).states[1, 3:], abs=0.01)
         assert np.max(np.abs(plan.states[:, 4])) <= limits.omega_max + 1e-6
         rates = np.diff(plan.states[:, 3:], axis=0) / PARAMETERS.step
@@ -90,7 +93,7 @@ def test_fatrop_agrees_with_ipopt(problem, instances) -> None:
     solver = build(problem, "fatrop")
     near, data, exact = instances[0]
     solution = solver.solve(data, near.warm_start())
-    assert solution.status is SolveStatus.SOLVED and solution.gap < 1e-3
+    assert solution.status is SolveStatus.SOLVED and solution.violation < 1e-3
     assert solution.cost == pytest.approx(exact.cost, rel=1e-2)
     assert problem.plan(solution.x).states[1] == pytest.approx(problem.plan(exact.x).states[1], abs=5e-3)
     assert solution.lam_g.shape == exact.lam_g.shape and solution.lam_x.shape == exact.lam_x.shape
@@ -203,19 +206,19 @@ def test_curvature_of_a_step_is_the_convex_part(integrator) -> None:
 
 def test_best_angle_is_the_best_of_a_fine_scan() -> None:
     corners, heading, first, last = ca.SX.sym("c", 4, 2), ca.SX.sym("h"), ca.SX.sym("a"), ca.SX.sym("b")
-    best = ca.Function("best", [corners, heading, first, last], [_best_angle(corners, heading, first, last)])
+    best = ca.Function("best", [corners, heading, first, last], [best_angle(corners, heading, first, last)])
     rng = np.random.default_rng(0)
     for _ in range(100):
         pose = rng.uniform([-2.0, -2.0, -3.0], [2.0, 2.0, 3.0])
         V, begin = CHAIR.corners_at(pose), rng.uniform(-4.0, 4.0)
         end = begin + rng.uniform(0.1, 3.0)
 
-        def room(angles, V=V):
+        def margin(angles, V=V):
             return np.min(V @ np.array([np.cos(angles), np.sin(angles)]), axis=0)
 
         angle = float(best(V, pose[2], begin, end))
         assert begin - 1e-9 <= angle <= end + 1e-9
-        assert room(angle) >= np.max(room(np.linspace(begin, end, 500))) - 1e-6
+        assert margin(angle) >= np.max(margin(np.linspace(begin, end, 500))) - 1e-6
 
 
 def test_fine_steps_come_first() -> None:

@@ -54,12 +54,6 @@ class IpoptParameters:
     tolerance: float = param(1e-6, "", "relative tolerance of convergence", low=1e-10, high=1e-2)
     warm_barrier: float = param(1e-5, "", "barrier parameter mu that a warm start begins with", low=1e-11, high=1.0)
     max_iterations: int = param(100, "", "iterations after which a solve is stopped", low=1, high=10000)
-    max_wall_time: float = param(
-        0.045, "s", "wall time after which a solve is stopped; not used in lock-step", low=0.001, high=100.0
-    )
-    max_wall_time_cold: float = param(
-        1.0, "s", "the same for the first solve of a goal, made while standing", low=0.001, high=100.0
-    )
 
 
 @dataclass(frozen=True)
@@ -112,6 +106,12 @@ class ControlParameters:
 
     formulation: str = param("docking", "", "optimal control problem", choices=("docking", "paper"))
     solver: str = param("rti", "", "solver", choices=("ipopt", "ipopt_default", "fatrop", "rti"))
+    max_wall_time: float = param(
+        0.045, "s", "wall time after which a solve is stopped; not used in lock-step", low=0.001, high=100.0
+    )
+    max_wall_time_cold: float = param(
+        1.0, "s", "the same for the first solve of a goal, made while standing", low=0.001, high=100.0
+    )
     integrator: str = param("arc", "", "prediction step; `paper` always takes euler", choices=("arc", "euler"))
     control_period: float = param(0.05, "s", "between two control cycles", low=0.01, high=0.5)
     horizon: int = param(30, "", "steps of the prediction (N)", low=5, high=200)

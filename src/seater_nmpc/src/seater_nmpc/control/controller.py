@@ -15,10 +15,10 @@ from seater_nmpc.control.command import Command, Counters, Status
 from seater_nmpc.control.limits import clamp, in_bay
 from seater_nmpc.control.replanner import Replanner, composed
 from seater_nmpc.observe.prediction import CommandHistory, coasting_pose
-from seater_nmpc.ocp.geometry import dock_areas
+from seater_nmpc.ocp.areas import dock_areas
 from seater_nmpc.ocp.separation import convex_outline
 from seater_nmpc.parameters import ControlParameters
-from seater_nmpc.solve.solver import Solution, Solver, SolveStatus
+from seater_nmpc.solve.interface import Solution, Solver, SolveStatus
 
 Array = NDArray[np.float64]
 Target = str | Sequence[float] | Array
@@ -200,7 +200,7 @@ class DockingController:
             self._replanner.solve_cpu,
             solution.iterations,
             solution.cost,
-            max(plan.violation, solution.gap),
+            max(plan.violation, solution.violation),
             composed(target, plan.states[:, :3]),
         )
 
