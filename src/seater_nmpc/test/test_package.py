@@ -12,6 +12,7 @@ from seater_common.params import ParameterError, as_mapping, load
 from seater_common.se2 import inverse
 from seater_nmpc.control.command import Status
 from seater_nmpc.control.controller import DockingController
+from seater_nmpc.observe.innovation import Outcome
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import NmpcParameters
@@ -80,6 +81,8 @@ def test_numbers_are_those_of_the_messages() -> None:
     assert constants(results) == {code.name: code.value for code in ResultCode}
     assert constants(feedback) == {phase.name: phase.value for phase in Phase}
     assert constants(status) == {s.name: s.value for s in Status}
+    innovation = (ROOT / "src/seater_msgs/msg/DockInnovation.msg").read_text()
+    assert constants(innovation) == {outcome.name: outcome.value for outcome in Outcome}
 
 
 def test_shadow_computes_without_a_goal_once_the_dock_is_seen(controller: DockingController) -> None:

@@ -18,10 +18,10 @@ from std_msgs.msg import Bool, Header
 
 from seater_common.geometry import Chair, Dock
 from seater_common.params import load
-from seater_msgs.msg import ControllerStatus, InputDone, MarkerDetectionArray, ObstacleArray
+from seater_msgs.msg import ControllerStatus, DockInnovation, InputDone, MarkerDetectionArray, ObstacleArray
 from seater_nmpc.control.command import Command
 from seater_nmpc.control.controller import DockingController
-from seater_nmpc.observe.observer import DockObserver, Outcome
+from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.parameters import NmpcParameters
 from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.ros import conversions
@@ -95,6 +95,7 @@ class DockingNode:
         self._request = rospy.Publisher("velocity_request", TwistStamped, queue_size=10)
         self._path = rospy.Publisher("predicted_path", Path, queue_size=10)
         self._filtered = rospy.Publisher("dock_pose_filtered", PoseWithCovarianceStamped, queue_size=10)
+        self._innovations = rospy.Publisher("innovations", DockInnovation, queue_size=10)
         self._status = rospy.Publisher("controller_status", ControllerStatus, queue_size=10)
         self._done = rospy.Publisher("input_done", InputDone, queue_size=100) if self._lock_step else None
         self._tf_out = tf2_ros.TransformBroadcaster()
@@ -207,8 +208,10 @@ class DockingNode:
 
     def _on_detections(self, message: MarkerDetectionArray) -> None:
         stamp = message.header.stamp
-        outcome = self._sequence.add_detections(stamp.to_sec(), conversions.hypotheses(message))
-        if outcome not in (Outcome.FUSED, Outcome.ACQUIRED, Outcome.REACQUIRED):
+        fusion = self._sequence.add_detections(stamp.to_sec(), conversions.hypotheses(message))
+        if message.dock:
+            self._innovations.publish(conversions.innovation(stamp, self._odom_frame, fusion))
+        if not fusion.outcome.accepted:
             return
         estimate = self._observer.estimate()
         if estimate is not None:  # with the stamp of the image: a lost marker is silence

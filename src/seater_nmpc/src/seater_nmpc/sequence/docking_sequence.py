@@ -21,9 +21,10 @@ from seater_common.geometry import Chair, Dock
 from seater_common.se2 import relative
 from seater_nmpc.control.command import Command
 from seater_nmpc.control.controller import DockingController, Target
+from seater_nmpc.observe.innovation import Fusion
 from seater_nmpc.observe.measurement import Hypothesis
 from seater_nmpc.observe.motion import MotionObserver
-from seater_nmpc.observe.observer import DockEstimate, DockObserver, Outcome
+from seater_nmpc.observe.observer import DockEstimate, DockObserver
 from seater_nmpc.observe.odometry import Instant, Odometry
 from seater_nmpc.parameters import SequenceParameters
 from seater_nmpc.plan.corridor import Corridor
@@ -62,7 +63,7 @@ class DockingSequence:
         """`navigator`: finds the way to the bay; None: one with default parameters."""
         self._navigator = navigator or Navigator(chair, dock, controller.parameters)
         self._chair, self._dock, self._controller, self.observer = chair, dock, controller, observer
-        self._motion = MotionObserver(controller.parameters.prediction, observer.parameters)
+        self._motion = MotionObserver(controller.history, observer.parameters)
         self._parameters = parameters or SequenceParameters()
         self._require_contact = require_contact
         self._handlers: dict[Phase, Callable[[Instant], Command]] = {
@@ -113,7 +114,7 @@ class DockingSequence:
             self._motion.add_odometry(odometry)
         return taken
 
-    def add_detections(self, stamp: float, hypotheses: list[Hypothesis]) -> Outcome:
+    def add_detections(self, stamp: float, hypotheses: list[Hypothesis]) -> Fusion:
         """Take the dock observations of one image."""
         return self.observer.add_detections(stamp, hypotheses)
 
@@ -149,7 +150,7 @@ class DockingSequence:
         self._deadlines = Deadlines(self._parameters.timeouts, now, timeout)
         self._error: Array | None = None
         self._T_odom_dock: Array | None = None
-        self._motion.forget_commands()
+        self._controller.history.clear()  # whoever drove until now did not say
         self._enter(phase)
 
     def _enter(self, phase: Phase) -> None:
@@ -307,7 +308,7 @@ class DockingSequence:
         return near and abs(error[2]) <= p.predock_heading and abs(chair.v) <= _UNDOCKED_SPEED
 
     def _step(self, now: float, command: Command, result: Result | None = None) -> Step:
-        self._motion.sent(now, command.v, command.omega)
+        self._controller.history.sent(now, command.v, command.omega)  # some are the sequence's own
         estimate = self.observer.estimate()
         error = self._error
         distance = -1.0 if error is None else math.hypot(error[0], error[1])
@@ -327,5 +328,5 @@ class DockingSequence:
         x, y, heading = (float(value) for value in error)
         result = Result(code, text, self._retries, elapsed, bool(self._contact), x, y, heading)
         step = self._step(now, _STANDING, result)
-        self._motion.forget_commands()  # whoever drives from here on does not say
+        self._controller.history.clear()  # whoever drives from here on does not say
         return step
