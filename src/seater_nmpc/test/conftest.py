@@ -111,7 +111,7 @@ def make_world(quick_controller: DockingController) -> Callable[..., World]:
         timeouts = settings.pop("timeouts", {})
         changes = settings.pop("sequence", {})
         parameters = replace(SequenceParameters(), timeouts=replace(Timeouts(), **timeouts), **changes)  # type: ignore[arg-type]
-        chair, dock = Chair(), Dock()
+        chair, dock = Chair(), settings.pop("dock", Dock())
         quick_controller.reset()
         observer = DockObserver(chair.camera)
         sequence = DockingSequence(chair, dock, quick_controller, observer, parameters, require_contact=require_contact)

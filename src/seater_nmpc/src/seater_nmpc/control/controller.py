@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,9 +24,8 @@ from seater_nmpc.solve.interface import Solution, Solver, SolveStatus
 Array = NDArray[np.float64]
 Target = str | Sequence[float] | Array
 
-_SPEED_MISMATCH = (
-    0.05  # [m/s, rad/s] by which the measured speed may differ from the commanded one beside what lag explains
-)
+# [m/s, rad/s] by which the measured speed may differ from the commanded one beside what lag explains.
+_SPEED_MISMATCH = 0.05
 _FARTHEST = 1000.0  # [m] distance of the target at which no solver is asked: from 1e300 m fatrop does not come back
 _TOO_NEAR = "an obstacle is within the stopping distance"
 
@@ -196,17 +196,17 @@ class DockingController:
             self.counters.time_limits += 1
             status = Status.TIME_LIMIT
         return Command(
-            v,
-            omega,
-            status,
-            self._replanner.name,
-            solution.text,
-            solution.solve_time,
-            self._replanner.solve_cpu,
-            solution.iterations,
-            solution.cost,
-            max(plan.violation, solution.violation),
-            composed(target, plan.states[:, :3]),
+            v=v,
+            omega=omega,
+            status=status,
+            solver=self._replanner.name,
+            text=solution.text,
+            solve_time=solution.solve_time,
+            solve_cpu=self._replanner.solve_cpu,
+            iterations=solution.iterations,
+            cost=solution.cost,
+            constraint_violation=max(plan.violation, solution.violation),
+            path=composed(target, plan.states[:, :3]),
         )
 
     def _fall_back(self, stamp: float, solution: Solution | None, text: str, slow: bool = False) -> Command:
@@ -236,10 +236,15 @@ class DockingController:
     ) -> Command:
         """A command that does not come from a new plan; remembered as sent."""
         self.history.sent(stamp, v, omega)
-        wall, cpu, iterations = 0.0, 0.0, 0
-        if solution is not None:
-            wall, cpu, iterations = solution.solve_time, self._replanner.solve_cpu, solution.iterations
-        return Command(v, omega, status, self._replanner.name, text, wall, cpu, iterations)
+        command = Command(v=v, omega=omega, status=status, solver=self._replanner.name, text=text)
+        if solution is None:
+            return command
+        return replace(
+            command,
+            solve_time=solution.solve_time,
+            solve_cpu=self._replanner.solve_cpu,
+            iterations=solution.iterations,
+        )
 
     def _stops_clear(self, v: float, omega: float) -> bool:
         if not self._obstacles:

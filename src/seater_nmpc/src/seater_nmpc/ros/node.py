@@ -175,14 +175,14 @@ class DockingNode:
         self._set_obstacles(now)
         if self._shadow is not None:
             command = self._shadow.update(now)
-            self._report(self._vehicle.command(command or Command(0.0, 0.0)), "SHADOW")
+            self._report(self._vehicle.command(command or Command(v=0.0, omega=0.0)), "SHADOW")
         elif self._sequence.active:
             self._send(self._sequence.update(now, self._contact))
         else:
             if self._zeros > 0:
                 self._zeros -= 1
                 self._publish_request(0.0, 0.0)
-            self._report(Command(0.0, 0.0), "")
+            self._report(Command(v=0.0, omega=0.0), "")
 
     def _set_obstacles(self, now: float) -> None:
         estimate = self._observer.estimate()
