@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import ConvexHull, QhullError
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -83,7 +84,7 @@ def nearest(lines: Lines, count: int) -> Lines:
 
 
 def convex_outline(points: ArrayLike) -> Array:
-    """The convex hull of points (n, 2), anticlockwise, without points on its edges.
+    """The convex hull of points (n, 2), anticlockwise from its leftmost corner, without points on its edges.
 
     Raises:
         ValueError: not finite, fewer than three points, or all of them on one line.
@@ -91,22 +92,8 @@ def convex_outline(points: ArrayLike) -> Array:
     points = np.asarray(points, dtype=float)
     if points.ndim != 2 or points.shape[1:] != (2,) or len(points) < 3 or not np.all(np.isfinite(points)):
         raise ValueError("an obstacle must be at least three finite points (x, y)")
-    ordered = points[np.lexsort((points[:, 1], points[:, 0]))]
-    hull = np.array(_chain(ordered)[:-1] + _chain(ordered[::-1])[:-1])
-    if len(hull) < 3:
-        raise ValueError("an obstacle must have an area: its points lie on one line")
-    return hull
-
-
-def _chain(ordered: Array) -> list[Array]:
-    """One side of the hull (Andrew's monotone chain)."""
-    chain: list[Array] = []
-    for point in ordered:
-        while len(chain) > 1 and _turn(chain[-2], chain[-1], point) <= 1e-12:
-            chain.pop()
-        chain.append(point)
-    return chain
-
-
-def _turn(a: Array, b: Array, c: Array) -> float:
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    try:
+        hull = points[ConvexHull(points).vertices]
+    except QhullError as error:
+        raise ValueError("an obstacle must have an area: its points lie on one line") from error
+    return np.roll(hull, -int(np.lexsort((hull[:, 1], hull[:, 0]))[0]), axis=0)
