@@ -8,7 +8,7 @@ import rospy
 import rostest
 from seater_test.harness import DockingCase, travelled
 
-from seater_msgs.msg import DockResult, MarkerDetectionArray
+from seater_msgs.msg import DockInnovation, DockResult, MarkerDetectionArray
 
 LONGEST_STOP = 0.5  # [s] from the end of the blind distance to a zero command
 
@@ -16,7 +16,9 @@ LONGEST_STOP = 0.5  # [s] from the end of the blind distance to a zero command
 class MarkerCovered(DockingCase):
     def setUp(self) -> None:
         self.last_seen = 0.0
+        self.innovations: list[DockInnovation] = []
         super().setUp()
+        rospy.Subscriber("innovations", DockInnovation, self.innovations.append, queue_size=1000)
         rospy.Subscriber("detections", MarkerDetectionArray, self.on_detections, queue_size=1000)
 
     def on_detections(self, message: MarkerDetectionArray) -> None:
@@ -31,6 +33,11 @@ class MarkerCovered(DockingCase):
         self.assertFalse(result.success)
         self.let_pass(1.0)  # the motors take their time to brake from full speed
         self.assert_standing()
+
+        fused = [message for message in self.innovations if message.outcome == DockInnovation.FUSED]
+        self.assertGreater(len(fused), 10, "the observer does not say what it made of the images")
+        self.assertTrue(all(m.accepted and 0.0 <= m.gate_ratio <= 1.0 and m.sd_x > 0.0 for m in fused))
+        self.assertLessEqual(max(m.header.stamp.to_sec() for m in self.innovations), self.last_seen)
 
         time, way = travelled(self.truth, self.last_seen)
         self.assertGreater(way[-1], 0.5 * blind_distance, "it did not go on by odometry at all")

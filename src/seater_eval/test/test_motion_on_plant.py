@@ -22,8 +22,8 @@ def errors(setup: Setup, seed: int) -> np.ndarray:
     rng, control = np.random.default_rng([seed, 13]), setup.parameters.control
     plant = Plant(setup.simulator.plant, setup.chair.limits, np.zeros(3))
     wheels, period = WheelOdometry(setup.simulator.odometry, seed), to_ns(setup.simulator.odometry.period)
-    motion = MotionObserver(control.prediction, setup.parameters.observer)
     history, way, turn, rows = CommandHistory(control.prediction), 0.0, 0.0, []
+    motion, commands = MotionObserver(history, setup.parameters.observer), history.view()
     delay = round(control.prediction.command_delay / 0.01)
     speed, swing, pending = rng.uniform(0.2, 0.5), rng.uniform(-0.5, 0.5), []
     for k in range(1, round(SECONDS / 0.01)):
@@ -39,12 +39,11 @@ def errors(setup: Setup, seed: int) -> np.ndarray:
         if k % 10:
             continue
         speeds = (sample.v, sample.omega), motion.at(now)
-        estimates = [history.roll(now, np.zeros(3), v, omega)[1:] for v, omega in speeds]
+        estimates = [commands.roll(now, np.zeros(3), v, omega)[1:] for v, omega in speeds]
         pending.append((k + delay, np.array(estimates)))
         command = min(0.4 * now, speed, 0.5 * (SECONDS - now)), swing * math.sin(2.0 * now)
         plant.command(*command)
         history.sent(now, *command)
-        motion.sent(now, *command)
     return np.array(rows)
 
 

@@ -21,8 +21,9 @@ from seater_eval.control.campaign_run import draw_start
 from seater_eval.control.pose_noise import DockSensor
 from seater_eval.run.setup_files import Setup, load_setup
 from seater_nmpc.observe import odometry
+from seater_nmpc.observe.innovation import Outcome
 from seater_nmpc.observe.measurement import difference
-from seater_nmpc.observe.observer import DockObserver, Outcome
+from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.parameters import ObserverParameters
 from seater_sim.chair.odometry import Odometry
 from seater_sim.settings import NANOSECONDS

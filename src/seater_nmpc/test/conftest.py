@@ -22,6 +22,7 @@ from seater_nmpc.observe.measurement import Hypothesis  # noqa: E402
 from seater_nmpc.observe.observer import DockObserver  # noqa: E402
 from seater_nmpc.observe.odometry import Odometry  # noqa: E402
 from seater_nmpc.parameters import ControlParameters  # noqa: E402
+from seater_nmpc.plan.navigator import Navigator  # noqa: E402
 from seater_nmpc.sequence.docking_sequence import DockingSequence  # noqa: E402
 from seater_nmpc.sequence.results import Step  # noqa: E402
 from seater_nmpc.sequence.vehicle import Vehicle  # noqa: E402
@@ -54,7 +55,7 @@ class World:
     now: float = 10.0
     v: float = 0.0
     omega: float = 0.0
-    smallest_clearance: float = np.inf
+    track: list[np.ndarray] = field(default_factory=list)  # true poses
     commands: list[Command] = field(default_factory=list)
     phases: list[str] = field(default_factory=list)
     noise: np.random.Generator = field(default_factory=lambda: np.random.default_rng(1))
@@ -65,7 +66,7 @@ class World:
         if self.obeys and self.commands:
             self.v, self.omega = self.commands[-1].v, self.commands[-1].omega
         self.truth = arc_step(self.truth, self.v, self.omega, 0.01)
-        self.smallest_clearance = min(self.smallest_clearance, clearance(self.chair, self.dock.bay, self.truth))
+        self.track.append(self.truth)
         if self.odometry_alive(self):
             odometry = Odometry(self.now, compose(T_ODOM_DOCK, self.truth), self.v, self.omega)
             self.sequence.add_odometry(self.vehicle.odometry(odometry))
@@ -73,6 +74,11 @@ class World:
                 error = self.noise.normal(size=3) * [NOISE[0], NOISE[0], NOISE[1]]
                 found = [observation(self.chair, inverse(self.truth) + error)] if self.seen(self) else []
                 self.sequence.add_detections(self.now, found)
+
+    @property
+    def smallest_clearance(self) -> float:
+        """Between the footprint and the bay's walls, on the whole way [m]."""
+        return min(clearance(self.chair, self.dock.bay, pose) for pose in self.track)
 
     def run(self, seconds: float, until: Callable[[Step], bool] = lambda step: False) -> Step:
         """Control cycles every 50 ms until the goal is done, `until` holds or the time is over."""
@@ -103,25 +109,27 @@ def quick_controller() -> DockingController:
     return DockingController(Chair(), Dock(), parameters, deterministic=True)
 
 
+@pytest.fixture(scope="session")
+def navigator() -> Navigator:
+    """One whose search is made once; a sequence begins anew with it."""
+    return Navigator(Chair(), Dock(), ControlParameters())
+
+
 @pytest.fixture
-def make_world(quick_controller: DockingController) -> Callable[..., World]:
+def make_world(quick_controller: DockingController, navigator: Navigator) -> Callable[..., World]:
     def make(start: tuple[float, float, float], require_contact: bool = False, **settings: object) -> World:
         from seater_nmpc.parameters import SequenceParameters, Timeouts
 
         timeouts = settings.pop("timeouts", {})
         changes = settings.pop("sequence", {})
         parameters = replace(SequenceParameters(), timeouts=replace(Timeouts(), **timeouts), **changes)  # type: ignore[arg-type]
-        chair, dock = Chair(), Dock()
+        chair, dock = Chair(), settings.pop("dock", Dock())
         quick_controller.reset()
         observer = DockObserver(chair.camera)
-        sequence = DockingSequence(chair, dock, quick_controller, observer, parameters, require_contact=require_contact)
+        sequence = DockingSequence(
+            chair, dock, quick_controller, observer, parameters, require_contact=require_contact, navigator=navigator
+        )
         truth = np.array([start[0], start[1], np.deg2rad(start[2])])
         return World(sequence, chair, dock, truth, **settings)  # type: ignore[arg-type]
 
     return make
-
-
-@pytest.fixture
-def free_space() -> ControlParameters:
-    """No walls: the paper's setting."""
-    return replace(ControlParameters(), walls=False)

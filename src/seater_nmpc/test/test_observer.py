@@ -6,8 +6,9 @@ from conftest import NOISE, T_ODOM_DOCK, observation
 
 from seater_common.geometry import Chair
 from seater_common.se2 import arc_step, compose, inverse, wrap_angle
+from seater_nmpc.observe.innovation import Outcome
 from seater_nmpc.observe.measurement import Hypothesis, difference
-from seater_nmpc.observe.observer import DockObserver, Outcome
+from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Odometry, OdometryBuffer
 from seater_nmpc.parameters import ObserverParameters
 
@@ -44,7 +45,7 @@ def test_camera_to_dock_in_odom() -> None:
     observer = DockObserver(CHAIR.camera)
     pose = np.array([-2.0, 0.5, -0.3])
     standing(observer, pose, 0.0, 1.0)
-    outcomes = [observer.add_detections(0.2 * k + 0.1, [observation(CHAIR, inverse(pose))]) for k in range(5)]
+    outcomes = [observer.add_detections(0.2 * k + 0.1, [observation(CHAIR, inverse(pose))]).outcome for k in range(5)]
     assert outcomes == [Outcome.ACQUIRING] * 4 + [Outcome.ACQUIRED]
     assert observer.estimate().pose == pytest.approx(T_ODOM_DOCK, abs=1e-9)
 
@@ -53,12 +54,12 @@ def test_no_first_estimate_while_moving_or_inconsistent() -> None:
     observer = DockObserver(CHAIR.camera)
     track = drive(observer, np.array([-2.0, 0.0, 0.0]), 0.3, 0.0, 0.0, 1.0)
     for stamp in list(track)[10:20]:
-        assert observer.add_detections(stamp, [observation(CHAIR, inverse(track[stamp]))]) is Outcome.ACQUIRING
+        assert observer.add_detections(stamp, [observation(CHAIR, inverse(track[stamp]))]).outcome is Outcome.ACQUIRING
     observer = DockObserver(CHAIR.camera)
     standing(observer, [-2.0, 0.0, 0.0], 0.0, 1.0)
     for k in range(10):
         shifted = inverse([-2.0, 0.1 * (k % 2), 0.0])
-        assert observer.add_detections(0.05 * k + 0.1, [observation(CHAIR, shifted)]) is Outcome.ACQUIRING
+        assert observer.add_detections(0.05 * k + 0.1, [observation(CHAIR, shifted)]).outcome is Outcome.ACQUIRING
 
 
 def test_a_late_image_of_a_moving_chair_is_fused_where_it_was_taken() -> None:
@@ -66,7 +67,9 @@ def test_a_late_image_of_a_moving_chair_is_fused_where_it_was_taken() -> None:
     observer = acquired()
     track = drive(observer, np.array([-2.0, 0.0, 0.0]), 0.5, 0.5, 1.0, 1.2)
     for stamp in (s for s in list(track)[5:-15:3]):
-        assert observer.add_detections(stamp, [observation(CHAIR, inverse(track[stamp]), EXACT)]) is Outcome.FUSED
+        assert (
+            observer.add_detections(stamp, [observation(CHAIR, inverse(track[stamp]), EXACT)]).outcome is Outcome.FUSED
+        )
     assert observer.estimate().pose == pytest.approx(T_ODOM_DOCK, abs=1e-6)
 
 
@@ -91,7 +94,7 @@ def test_order_of_arrival_does_not_matter() -> None:
         stamps = list(track)[5::10][:10]
         for k in order:
             error = inverse(track[stamps[k]]) + errors[k]
-            assert observer.add_detections(stamps[k], [observation(CHAIR, error)]) is Outcome.FUSED
+            assert observer.add_detections(stamps[k], [observation(CHAIR, error)]).outcome is Outcome.FUSED
         results.append(observer.estimate())
     assert results[0].pose == pytest.approx(results[1].pose, abs=1e-12)
     assert results[0].covariance == pytest.approx(results[1].covariance, abs=1e-15)
@@ -103,7 +106,7 @@ def test_an_outlier_changes_nothing_and_the_blind_distance_goes_on() -> None:
     track = drive(observer, np.array([-2.0, 0.0, 0.0]), 0.5, 0.0, 1.0, 0.4)
     before = observer.estimate()
     wrong = inverse(list(track.values())[-1]) + [0.0, 0.15, 0.0]
-    assert observer.add_detections(1.4, [observation(CHAIR, wrong)]) is Outcome.REJECTED
+    assert observer.add_detections(1.4, [observation(CHAIR, wrong)]).outcome is Outcome.GATE
     after = observer.estimate()
     assert np.array_equal(after.pose, before.pose)
     assert after.blind_distance == pytest.approx(0.2, abs=1e-6) and after.age == pytest.approx(0.5)
@@ -113,8 +116,8 @@ def test_a_dock_that_really_stands_elsewhere_is_found_again() -> None:
     observer = acquired()
     standing(observer, [-2.0, 0.0, 0.0], 1.01, 2.5)
     moved = inverse([-2.0, 0.3, 0.0])
-    outcomes = [observer.add_detections(1.1 + 0.1 * k, [observation(CHAIR, moved)]) for k in range(8)]
-    assert outcomes == [Outcome.REJECTED] * 7 + [Outcome.REACQUIRED]
+    outcomes = [observer.add_detections(1.1 + 0.1 * k, [observation(CHAIR, moved)]).outcome for k in range(8)]
+    assert outcomes == [Outcome.GATE] * 7 + [Outcome.REACQUIRED]
     assert observer.estimate().pose == pytest.approx(compose(T_ODOM_DOCK, [0.0, -0.3, 0.0]), abs=1e-6)
 
 
@@ -122,11 +125,11 @@ def test_of_two_hypotheses_the_one_that_passes_the_gate_is_taken() -> None:
     observer = acquired()
     right = observation(CHAIR, inverse([-2.0, 0.0, 0.0]), weight=0.2)
     flipped = observation(CHAIR, inverse([-2.0, 0.0, 0.0]) + [0.0, 0.4, 0.5], weight=0.8)
-    assert observer.add_detections(1.0, [flipped, right]) is Outcome.FUSED
+    assert observer.add_detections(1.0, [flipped, right]).outcome is Outcome.FUSED
     assert observer.estimate().pose == pytest.approx(T_ODOM_DOCK, abs=1e-9)
 
 
-def test_what_cannot_be_a_dock_on_the_floor_is_invalid() -> None:
+def test_what_cannot_be_a_dock_on_the_floor_is_a_flip_or_invalid() -> None:
     observer = acquired()
     good = observation(CHAIR, inverse([-2.0, 0.0, 0.0]))
     tilt = np.eye(4)
@@ -137,11 +140,40 @@ def test_what_cannot_be_a_dock_on_the_floor_is_invalid() -> None:
         Hypothesis(good.T_optical_dock, np.zeros((6, 6))),
         Hypothesis(good.T_optical_dock, good.covariance, math.nan),
     ]
-    for hypothesis in bad:
-        assert observer.add_detections(1.0, [hypothesis]) is Outcome.INVALID
-    assert observer.add_detections(1.0, []) is Outcome.EMPTY
-    assert observer.add_detections(7.0, [good]) is Outcome.NO_ODOMETRY
-    assert observer.add_detections(math.nan, [good]) is Outcome.NO_ODOMETRY
+    outcomes = [observer.add_detections(1.0, [hypothesis]).outcome for hypothesis in bad]
+    assert outcomes == [Outcome.FLIP] + [Outcome.INVALID] * 3
+    assert observer.add_detections(1.0, [bad[0], good]).outcome is Outcome.FUSED
+    assert observer.add_detections(1.0, []).outcome is Outcome.EMPTY
+    assert observer.add_detections(7.0, [good]).outcome is Outcome.NO_ODOMETRY
+    assert observer.add_detections(math.nan, [good]).outcome is Outcome.NO_ODOMETRY
+
+
+def test_an_innovation_is_measured_minus_expected_with_its_covariance_and_gate() -> None:
+    """After five images of variance R, standing, the expectation has R / 5; the sixth one is 6 mm off along the dock's x."""
+    p = ObserverParameters()
+    observer = acquired()
+    fusion = observer.add_detections(1.0, [observation(CHAIR, inverse([-2.0, 0.0, 0.0]) + [0.006, 0.0, 0.0])])
+    innovation = fusion.innovation
+    R, common = np.square([NOISE[0], NOISE[0], NOISE[1]]), p.calibration_position**2
+    direction = np.array([math.cos(T_ODOM_DOCK[2]), math.sin(T_ODOM_DOCK[2]), 0.0])
+    variance = 1.2 * R + [common, common, p.calibration_heading**2]
+    assert innovation.value == pytest.approx(0.006 * direction, abs=1e-9)
+    assert innovation.covariance == pytest.approx(np.diag(variance), rel=1e-3, abs=1e-9)
+    assert innovation.sd == pytest.approx(np.sqrt(variance), rel=1e-3)
+    assert innovation.nis == pytest.approx(0.006**2 / variance[0], rel=1e-3)
+    assert innovation.gate_ratio == pytest.approx(innovation.nis / p.gate)
+    assert fusion.outcome is Outcome.FUSED and fusion.outcome.accepted and innovation.gate_ratio < 1.0
+
+
+def test_why_a_measurement_is_not_used_is_said() -> None:
+    observer = acquired()
+    pose = inverse([-2.0, 0.0, 0.0])
+    far = observer.add_detections(1.0, [observation(CHAIR, pose + [0.0, 0.15, 0.0])])
+    assert far.outcome is Outcome.GATE and not far.outcome.accepted and far.innovation.gate_ratio > 1.0
+    assert np.hypot(*far.innovation.value[:2]) == pytest.approx(0.15, abs=1e-6)
+    stale = observer.add_detections(0.1, [observation(CHAIR, pose)])
+    assert stale.outcome is Outcome.STALE and stale.innovation is None and stale.outcome.text == "stale"
+    assert DockObserver(CHAIR.camera).add_detections(1.0, []).outcome is Outcome.EMPTY
 
 
 def test_covariance_grows_with_the_distance_driven_not_with_time() -> None:
@@ -213,7 +245,7 @@ def test_two_poses_that_both_agree_are_told_apart_by_all_weights_together() -> N
     for k in range(10):
         weight = 0.45 if k % 5 == 4 else 0.65
         offered = [observation(CHAIR, flip, weight=1.0 - weight), observation(CHAIR, true, weight=weight)]
-        outcomes.append(observer.add_detections(0.1 + 0.1 * k, offered))
+        outcomes.append(observer.add_detections(0.1 + 0.1 * k, offered).outcome)
         if outcomes[-1] is Outcome.ACQUIRED:
             break
     assert outcomes[4] is Outcome.ACQUIRING and outcomes[-1] is Outcome.ACQUIRED

@@ -84,7 +84,7 @@ def silent(monkeypatch) -> None:
     monkeypatch.setattr(rospy, "logwarn_throttle", lambda *_: None)
 
 
-def told(frame: str, outline=BOX, stamp: float = 1.0) -> ObstacleArray:
+def obstacle_message(frame: str, outline=BOX, stamp: float = 1.0) -> ObstacleArray:
     message = ObstacleArray()
     message.header.frame_id, message.header.stamp = frame, rospy.Time.from_sec(stamp)
     message.polygons = [Polygon([Point32(x, y, 0.3) for x, y in outline])]
@@ -102,7 +102,7 @@ def test_obstacles_of_a_sensor_are_placed_by_tf_at_their_own_stamp(silent) -> No
     transforms.put("odom", "laser", then, 1.0)
     transforms.put("odom", "laser", now, 2.0)
     obstacles = Obstacles(transforms, "dock", 0.0)
-    obstacles.take(told("laser"), "odom")
+    obstacles.take(obstacle_message("laser"), "odom")
     (seen,) = obstacles.now(2.0, "odom", DOCK)
     assert ordered(seen) == pytest.approx(
         ordered(transform_points(inverse(DOCK), transform_points(then, BOX))), abs=1e-6
@@ -111,10 +111,10 @@ def test_obstacles_of_a_sensor_are_placed_by_tf_at_their_own_stamp(silent) -> No
 
 def test_obstacles_in_odom_and_at_the_dock_need_no_transform(silent) -> None:
     obstacles = Obstacles(Transforms(), "dock", 0.0)
-    obstacles.take(told("odom"), "odom")
+    obstacles.take(obstacle_message("odom"), "odom")
     (seen,) = obstacles.now(1.0, "odom", DOCK)
     assert ordered(seen) == pytest.approx(ordered(transform_points(inverse(DOCK), BOX)), abs=1e-6)
-    obstacles.take(told("dock"), "odom")
+    obstacles.take(obstacle_message("dock"), "odom")
     (seen,) = obstacles.now(1.0, "odom", None)
     assert seen == pytest.approx(BOX)
 
@@ -122,8 +122,8 @@ def test_obstacles_in_odom_and_at_the_dock_need_no_transform(silent) -> None:
 def test_without_its_transform_a_message_waits_and_the_last_one_holds(silent) -> None:
     transforms = Transforms()
     obstacles = Obstacles(transforms, "dock", 0.0)
-    obstacles.take(told("dock"), "odom")
-    obstacles.take(told("laser", BOX + 5.0), "odom")
+    obstacles.take(obstacle_message("dock"), "odom")
+    obstacles.take(obstacle_message("laser", BOX + 5.0), "odom")
     (seen,) = obstacles.now(1.0, "odom", DOCK)
     assert seen == pytest.approx(BOX)
     transforms.put("odom", "laser", np.zeros(3), 1.0)

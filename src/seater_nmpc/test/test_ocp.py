@@ -6,12 +6,15 @@ import pytest
 
 from seater_common.geometry import Chair, Dock, clearance, polygon_distance
 from seater_common.se2 import compose, relative
-from seater_nmpc.ocp.constraints import _separating_angle
-from seater_nmpc.ocp.geometry import dock_areas
-from seater_nmpc.ocp.nlp import WarmStart
-from seater_nmpc.ocp.ocp import DockingProblem, make_problem
+from seater_nmpc.ocp.areas import dock_areas
+from seater_nmpc.ocp.constraints.corners import separating_angle
+from seater_nmpc.ocp.docking_problem import DockingProblem
+from seater_nmpc.ocp.formulations import make_problem
+from seater_nmpc.ocp.programme import WarmStart
 from seater_nmpc.parameters import ControlParameters, IpoptParameters, Weights
-from seater_nmpc.solve.solver import IpoptSolver, SolveStatus, make_solver
+from seater_nmpc.solve.interface import SolveStatus
+from seater_nmpc.solve.ipopt import IpoptSolver
+from seater_nmpc.solve.registry import make_solver
 
 CHAIR, DOCK = Chair(), Dock()
 AREAS = dock_areas(DOCK)
@@ -53,7 +56,7 @@ def test_derivatives_agree_with_differences(problem: DockingProblem) -> None:
 def test_plan_keeps_limits_and_dynamics(problem, solver) -> None:
     start = [-2.0, 0.8, -0.3, 0.2, 0.1]
     solution, plan = solve(problem, solver, start)
-    assert solution.status is SolveStatus.SOLVED and solution.gap < 1e-5
+    assert solution.status is SolveStatus.SOLVED and solution.violation < 1e-5
     limits, rates = CHAIR.limits, np.diff(plan.states[:, 3:], axis=0) / PARAMETERS.step
     assert plan.states[0] == pytest.approx(start)
     assert (
@@ -146,14 +149,14 @@ def test_areas_move_with_the_frame() -> None:
     """A plan seen from another frame has the same clearances: areas in the target's frame are the dock's areas."""
     pose, target = np.array([0.02, 0.17, 0.1]), np.array([-1.2, 0.3, 0.4])
     moved = AREAS.in_frame(target)
-    for corner, there in zip(AREAS.corners, moved.corners, strict=True):
+    for corner, there in zip(AREAS.corners.corners, moved.corners.corners, strict=True):
 
         def gap(c, at):
-            angle = _separating_angle(CHAIR.corners_at(at), c)
+            angle = separating_angle(CHAIR.corners_at(at), c)
             return np.min((CHAIR.corners_at(at) - c.point) @ [np.cos(angle), np.sin(angle)])
 
         assert gap(there, relative(target, pose)) == pytest.approx(gap(corner, pose), abs=1e-12)
-    wall = moved.half_planes[0]
+    wall = moved.walls.planes[0]
     point = compose([0.0, 0.0, 0.0], relative(target, [DOCK.bay.back_wall_x, 0.7, 0.0]))[:2]
     assert point @ [np.cos(wall.angle), np.sin(wall.angle)] == pytest.approx(wall.offset)
 
@@ -162,11 +165,11 @@ def test_paper_formulation_docks_roughly() -> None:
     """F1, F2, Euler: moves towards the dock within the speed limits (its accuracy is what the paper says)."""
     parameters = replace(PARAMETERS, formulation="paper", walls=False)
     problem = make_problem(CHAIR, parameters, None)
-    solver = make_solver(problem.functions, parameters)
+    solver = make_solver(problem, parameters)
     states = np.zeros((31, 5)) + [-1.0, 0.2, 0.1, 0.0, 0.0]
     solution = solver.solve(problem.data(states[0], None), WarmStart(problem.guess(states, None)))
     plan = problem.plan(solution.x)
-    assert solution.gap < 1e-3 and plan.speeds_held
+    assert solution.violation < 1e-3 and plan.speeds_held
     assert np.max(plan.states[:, 3]) <= CHAIR.limits.v_max + 1e-6
     first = plan.states[0]
     euler = first[:3] + 0.1 * np.array([first[3] * np.cos(0.1), first[3] * np.sin(0.1), first[4]])

@@ -12,6 +12,7 @@ from seater_common.params import ParameterError, as_mapping, load
 from seater_common.se2 import inverse
 from seater_nmpc.control.command import Status
 from seater_nmpc.control.controller import DockingController
+from seater_nmpc.observe.innovation import Outcome
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import NmpcParameters
@@ -22,7 +23,8 @@ ROOT = Path(__file__).resolve().parents[3]
 
 
 def test_core_imports_no_ros() -> None:
-    sources = list((ROOT / "src/seater_nmpc/src/seater_nmpc").glob("*.py"))
+    package = ROOT / "src/seater_nmpc/src/seater_nmpc"
+    sources = [source for source in package.rglob("*.py") if source.parent.name != "ros"]
     assert len(sources) > 10
     for source in sources:
         assert not re.search(
@@ -57,6 +59,16 @@ def test_a_wrong_key_is_named_in_full() -> None:
         assert word in str(caught.value)
 
 
+def test_the_old_place_of_the_time_limit_is_named() -> None:
+    """It moved from control/ipopt to control, as it holds for every solver."""
+    values = as_mapping(NmpcParameters())
+    values["control"]["ipopt"]["max_wall_time"] = values["control"].pop("max_wall_time")
+    with pytest.raises(ParameterError) as caught:
+        load(NmpcParameters, values, "controller")
+    assert "controller/control/ipopt/max_wall_time: unknown key" in str(caught.value)
+    assert "controller/control/max_wall_time: is missing" in str(caught.value)
+
+
 def test_numbers_are_those_of_the_messages() -> None:
     """Read from the message definitions themselves, so that no built workspace is needed."""
     action = (ROOT / "src/seater_msgs/action/Dock.action").read_text()
@@ -69,6 +81,8 @@ def test_numbers_are_those_of_the_messages() -> None:
     assert constants(results) == {code.name: code.value for code in ResultCode}
     assert constants(feedback) == {phase.name: phase.value for phase in Phase}
     assert constants(status) == {s.name: s.value for s in Status}
+    innovation = (ROOT / "src/seater_msgs/msg/DockInnovation.msg").read_text()
+    assert constants(innovation) == {outcome.name: outcome.value for outcome in Outcome}
 
 
 def test_shadow_computes_without_a_goal_once_the_dock_is_seen(controller: DockingController) -> None:

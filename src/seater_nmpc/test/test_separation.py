@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from seater_common.geometry import Chair, polygon_distance
-from seater_nmpc.ocp.separation import convex_outline, edge_gaps, footprints, nearest, parting_lines
+from seater_nmpc.ocp.separation import convex_outline, edge_distances, footprints, nearest, separating_lines
 
 CHAIR = Chair()
 
@@ -23,21 +23,21 @@ def test_footprints_are_the_chairs(scene) -> None:
 def test_lines_part_with_the_largest_gap(scene) -> None:
     """The gap is the signed distance, and both shapes lie on their sides of the line."""
     shapes, _, polygon = scene
-    lines = parting_lines(shapes, [polygon])
+    lines = separating_lines(shapes, [polygon])
     distances = [polygon_distance(shape, polygon) for shape in shapes]
-    assert lines.gaps[:, 0] == pytest.approx(distances, abs=1e-12)
+    assert lines.distances[:, 0] == pytest.approx(distances, abs=1e-12)
     for shape, normal, offset, gap in zip(
-        shapes, lines.normals[:, 0], lines.offsets[:, 0], lines.gaps[:, 0], strict=True
+        shapes, lines.normals[:, 0], lines.offsets[:, 0], lines.distances[:, 0], strict=True
     ):
         assert np.hypot(*normal) == pytest.approx(1.0)
         assert np.max(polygon @ normal) <= offset + 1e-12
         assert np.min(shape @ normal) - offset == pytest.approx(gap, abs=1e-12)
 
 
-def test_edge_gaps_never_exceed_the_distance(scene) -> None:
+def test_edge_distances_never_exceed_the_distance(scene) -> None:
     shapes, _, polygon = scene
     distances = np.array([polygon_distance(shape, polygon) for shape in shapes])
-    gaps = edge_gaps(shapes, polygon)
+    gaps = edge_distances(shapes, polygon)
     assert np.all(gaps <= distances + 1e-12)
     overlapping = distances < 0.0
     assert gaps[overlapping] == pytest.approx(distances[overlapping], abs=1e-12)
@@ -45,9 +45,9 @@ def test_edge_gaps_never_exceed_the_distance(scene) -> None:
 
 def test_the_nearest_lines_are_kept(scene) -> None:
     shapes, _, polygon = scene
-    lines = nearest(parting_lines(shapes, [polygon + [3.0, 0.0], polygon, polygon - [0.0, 4.0]]), 2)
-    assert lines.gaps.shape == (400, 2) and np.all(lines.gaps[:, 0] <= lines.gaps[:, 1])
-    assert parting_lines(shapes, []).gaps.shape == (400, 0)
+    lines = nearest(separating_lines(shapes, [polygon + [3.0, 0.0], polygon, polygon - [0.0, 4.0]]), 2)
+    assert lines.distances.shape == (400, 2) and np.all(lines.distances[:, 0] <= lines.distances[:, 1])
+    assert separating_lines(shapes, []).distances.shape == (400, 0)
 
 
 def test_outline_of_points_in_any_order() -> None:

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from conftest import T_ODOM_DOCK, World, observation
 
+from seater_common.geometry import Dock, Tolerance
 from seater_common.se2 import compose, inverse
 from seater_nmpc.control.command import Command, Status
 from seater_nmpc.observe.odometry import Odometry
@@ -192,9 +193,8 @@ def test_a_missed_bay_is_tried_again_from_the_predock_point(make_world) -> None:
 
 def test_outside_the_tolerance_after_all_retries(make_world) -> None:
     """A tolerance that noise cannot meet: verified, not met, and said so."""
-    world = make_world((-0.02, 0.0, 0.0), sequence={"max_retries": 0})
-    tight = replace(world.dock, tolerance=replace(world.dock.tolerance, position=0.0005, heading=0.0001))
-    world.sequence._dock = tight
+    tight = replace(Dock(), tolerance=Tolerance(position=0.0005, heading=0.0001))
+    world = make_world((-0.02, 0.0, 0.0), dock=tight, sequence={"max_retries": 0})
     ended(start(world), world.run(10.0), ResultCode.NOT_WITHIN_TOLERANCE)
 
 
@@ -230,7 +230,7 @@ def test_controller_without_solutions_ends_the_goal(make_world, monkeypatch) -> 
 
     def braking(*_: object) -> Command:
         controller.counters.consecutive_failures += 1
-        return Command(0.05, 0.0, Status.FALLBACK_BRAKE, text="injected")
+        return Command(v=0.05, omega=0.0, status=Status.FALLBACK_BRAKE, text="injected")
 
     monkeypatch.setattr(controller, "command", braking)
     assert "injected" in ended(world, world.run(2.0), ResultCode.FAILED_TO_CONTROL).text

@@ -53,10 +53,10 @@ def test_odometry_in_and_command_out_literally() -> None:
     inside = vehicle.odometry(Odometry(1.5, np.array([1.0, 2.0, 0.5]), -0.2, 0.3))
     assert (inside.stamp, inside.v, inside.omega) == (1.5, 0.2, 0.3)
     assert inside.pose == pytest.approx([1.0, 2.0, 0.5 - math.pi])
-    outside = vehicle.command(Command(0.2, 0.3, path=np.array([[1.0, 2.0, 0.5 - math.pi]])))
+    outside = vehicle.command(Command(v=0.2, omega=0.3, path=np.array([[1.0, 2.0, 0.5 - math.pi]])))
     assert (outside.v, outside.omega) == (-0.2, 0.3)
     assert outside.path == pytest.approx(np.array([[1.0, 2.0, 0.5]]))
-    stop = vehicle.command(Command(0.0, 0.0))
+    stop = vehicle.command(Command(v=0.0, omega=0.0))
     assert math.copysign(1.0, stop.v) == 1.0 and stop.path.shape == (0, 3)
 
 
@@ -70,7 +70,7 @@ def test_the_turned_chair_drives_the_same_arc() -> None:
 def test_odometry_of_nan_stays_so_and_forward_is_untouched() -> None:
     bad = Odometry(0.0, np.array([1.0, 2.0, math.inf]), 0.0, 0.0)
     assert not Vehicle(Chair(), BACKWARD).odometry(bad).is_finite()
-    forward, command = Vehicle(Chair(), Dock()), Command(0.2, 0.3)
+    forward, command = Vehicle(Chair(), Dock()), Command(v=0.2, omega=0.3)
     assert forward.odometry(bad) is bad and forward.command(command) is command and forward.chair == Chair()
 
 

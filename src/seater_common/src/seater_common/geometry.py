@@ -220,7 +220,7 @@ def planar_pose(T: ArrayLike) -> Array:
 def polygon_distance(a: ArrayLike, b: ArrayLike) -> float:
     """Signed distance of two convex polygons, (n, 2) and (m, 2), anticlockwise [m]; negative when they overlap.
 
-    The gap is exact; of an overlap it is the smallest shift along an edge normal that parts them (separating axes).
+    The distance is exact; of an overlap it is the smallest shift along an edge normal that separates them (separating axes).
     """
     a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
     separation = max(_axis_separation(a, b), _axis_separation(b, a))
@@ -230,11 +230,11 @@ def polygon_distance(a: ArrayLike, b: ArrayLike) -> float:
 
 
 def _axis_separation(a: Array, b: Array) -> float:
-    """Largest gap of b behind an edge of a, over the edges of a [m]; shapes (n, 2) and (m, 2)."""
+    """Largest distance of b behind an edge of a, over the edges of a [m]; shapes (n, 2) and (m, 2)."""
     edges = np.roll(a, -1, axis=0) - a
     normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.linalg.norm(edges, axis=1)[:, None]
-    gaps = normals @ b.T - np.sum(normals * a, axis=1)[:, None]
-    return float(np.max(np.min(gaps, axis=1)))
+    distances = normals @ b.T - np.sum(normals * a, axis=1)[:, None]
+    return float(np.max(np.min(distances, axis=1)))
 
 
 def _vertex_distance(points: Array, polygon: Array) -> float:

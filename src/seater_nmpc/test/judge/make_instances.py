@@ -22,9 +22,10 @@ from numpy.typing import NDArray
 
 from seater_common.geometry import Chair, Dock, clearance
 from seater_common.params import load
-from seater_nmpc.ocp.geometry import dock_areas
-from seater_nmpc.ocp.nlp import ProblemData
-from seater_nmpc.ocp.ocp import Problem, make_problem
+from seater_nmpc.ocp.areas import dock_areas
+from seater_nmpc.ocp.formulations import make_problem
+from seater_nmpc.ocp.problem import Problem
+from seater_nmpc.ocp.programme import ProblemData
 from seater_nmpc.ocp.separation import convex_outline
 from seater_nmpc.parameters import NmpcParameters
 

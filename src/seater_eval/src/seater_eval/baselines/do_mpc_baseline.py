@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import arc_step
-from seater_nmpc.ocp.constraints import allowed_speed
+from seater_nmpc.ocp.constraints.bay_speed import allowed_speed
 from seater_nmpc.ocp.model import augmented_step
 from seater_nmpc.parameters import ControlParameters
 
@@ -37,7 +37,7 @@ class DoMpc:
             import do_mpc
         self._chair, self._dock, self._parameters = chair, dock, parameters
         self.period = parameters.control_period
-        # The chair holds a command while the plan's speed is a ramp; see seater_nmpc.ocp.ocp.DockingProblem.
+        # The chair holds a command while the plan's speed is a ramp; see seater_nmpc.ocp.docking_problem.DockingProblem.
         self._lead = 0.5 * self.period + (0.5 * parameters.step if parameters.integrator == "euler" else 0.0)
         self._model = do_mpc.model.Model("discrete", "SX")
         self._build_model()

@@ -36,7 +36,7 @@ class Nmpc:
         self.period = parameters.control_period
         self.controller = DockingController(chair, dock, parameters, deterministic=True)
         self.controller.warm_up()
-        self.last = Command(0.0, 0.0)
+        self.last = Command(v=0.0, omega=0.0)
 
     @property
     def solve_time(self) -> float:

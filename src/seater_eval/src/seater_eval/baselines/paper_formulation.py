@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import Chair
-from seater_nmpc.ocp.ocp import make_problem
+from seater_nmpc.ocp.formulations import make_problem
 from seater_nmpc.parameters import ControlParameters
 
 

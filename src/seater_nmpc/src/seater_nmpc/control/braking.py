@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import Chair
 from seater_common.se2 import arc_step, wrap_angles
-from seater_nmpc.ocp.separation import edge_gaps, footprints
+from seater_nmpc.ocp.separation import edge_distances, footprints
 
 Array = NDArray[np.float64]
 
@@ -46,8 +46,8 @@ class BrakingCheck:
     def _clear(self, poses: Array, outlines: list[Array]) -> bool:
         shapes = footprints(self._corners, poses)
         for outline in outlines:
-            gaps = edge_gaps(shapes, outline)
-            if float(np.min(gaps)) < min(self._margin, float(gaps[0]) - _CREEP):
+            distances = edge_distances(shapes, outline)
+            if float(np.min(distances)) < min(self._margin, float(distances[0]) - _CREEP):
                 return False
         return True
 

@@ -21,7 +21,7 @@ class Status(IntEnum):
     IDLE = 4
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Command:
     """What the chair is asked for, and how it came about."""
 
@@ -47,7 +47,5 @@ class Counters:
     time_limits: int = 0
     shifted: int = 0
     braked: int = 0
-    obstacle_stops: int = (
-        0  # cycles braked because an obstacle was within the stopping distance; not counted in `braked`
-    )
+    obstacle_stops: int = 0  # braked as an obstacle was within the stopping distance; not counted in `braked`
     consecutive_failures: int = 0  # cycles in a row that needed a fallback

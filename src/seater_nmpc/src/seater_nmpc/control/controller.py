@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,17 +16,16 @@ from seater_nmpc.control.command import Command, Counters, Status
 from seater_nmpc.control.limits import clamp, in_bay
 from seater_nmpc.control.replanner import Replanner, composed
 from seater_nmpc.observe.prediction import CommandHistory, coasting_pose
-from seater_nmpc.ocp.geometry import dock_areas
+from seater_nmpc.ocp.areas import dock_areas
 from seater_nmpc.ocp.separation import convex_outline
 from seater_nmpc.parameters import ControlParameters
-from seater_nmpc.solve.solver import Solution, Solver, SolveStatus
+from seater_nmpc.solve.interface import Solution, Solver, SolveStatus
 
 Array = NDArray[np.float64]
 Target = str | Sequence[float] | Array
 
-_SPEED_MISMATCH = (
-    0.05  # [m/s, rad/s] by which the measured speed may differ from the commanded one beside what lag explains
-)
+# [m/s, rad/s] by which the measured speed may differ from the commanded one beside what lag explains.
+_SPEED_MISMATCH = 0.05
 _FARTHEST = 1000.0  # [m] distance of the target at which no solver is asked: from 1e300 m fatrop does not come back
 _TOO_NEAR = "an obstacle is within the stopping distance"
 
@@ -66,7 +66,8 @@ class DockingController:
         self.parameters = parameters or ControlParameters()
         self._areas = dock_areas(dock) if self.parameters.walls else None
         self._replanner = Replanner(chair, self.parameters, self._areas, deterministic=deterministic, solver=solver)
-        self._history = CommandHistory(self.parameters.prediction)
+        self.history = CommandHistory(self.parameters.prediction)  # of all that the chair is asked for, by whomever
+        self._commands, self._begins = self.history.view(), True
         prediction = self.parameters.prediction
         period = self.parameters.control_period
         self._braking = BrakingCheck(chair, self.parameters.stop_margin, period, prediction.motor_lag)
@@ -77,14 +78,14 @@ class DockingController:
         self.reset()
 
     def reset(self) -> None:
-        """Forget plan and commands, as at the beginning of a goal."""
-        self._history.clear()
+        """Forget the plan, as at the beginning of a goal: the next one begins with the measured speeds, whatever was sent."""
+        self._begins = True
         self._replanner.reset()
         self.counters.consecutive_failures = 0
 
     def reset_commands(self) -> None:
-        """Forget the commands but keep the plan: the next plan begins with the measured speed."""
-        self._history.clear()
+        """Forget the commands but keep the plan: the next plan begins with the measured speeds."""
+        self.history.clear()
 
     @property
     def obstacles(self) -> list[Array]:
@@ -110,6 +111,7 @@ class DockingController:
         for _ in range(2):
             self.command([self._dock.predock_x, 0.0, 0.0], (0.0, 0.0), [0.0, 0.0, 0.0])
         self.reset()
+        self.history.clear()
         self.counters = Counters()
 
     def command(
@@ -132,12 +134,15 @@ class DockingController:
         stamp = self._clock + self.parameters.control_period if stamp is None else stamp
         numbers = [*np.ravel(vehicle_pose), *velocity, *np.ravel(dock_pose), stamp]
         self.counters.cycles += 1
+        if self._begins:
+            self._commands.restart()
+            self._begins = False
         if not all(math.isfinite(value) for value in numbers):
             self.counters.refused_inputs += 1
             return self._fall_back(self._clock, None, "input not finite")
         self._clock = stamp
         T_dock_target = self._target(target)
-        pose, v, omega = self._history.roll(stamp, vehicle_pose, *velocity)
+        pose, v, omega = self._commands.roll(stamp, vehicle_pose, *velocity)
         before = self._speeds_before(v, omega)
         self._acts_at = relative(dock_pose, pose)
         ahead = coasting_pose(pose, v, omega, self.parameters.prediction.motor_lag)
@@ -146,7 +151,7 @@ class DockingController:
         if not (np.all(np.isfinite(state)) and np.max(np.abs(state[:2])) <= _FARTHEST):
             self.counters.refused_inputs += 1
             return self._fall_back(stamp, None, f"target is farther than {_FARTHEST:.0f} m")
-        acceleration = self._history.acceleration(self.parameters.control_period)
+        acceleration = self._commands.acceleration(self.parameters.control_period)
         solution = self._replanner.solve(state, stamp, T_dock_target, self._obstacles, acceleration)
         slow = self._areas is not None and in_bay(self._chair, self._dock.bay, self._acts_at)
         if not self._replanner.usable(solution):
@@ -163,7 +168,7 @@ class DockingController:
 
     def _speeds_before(self, v: float, omega: float) -> tuple[float, float]:
         """Speeds that the plan begins with: the last command, unless the chair plainly does not follow it."""
-        last = self._history.last
+        last = self._commands.last
         if last is None:
             return v, omega
         limits, prediction = self._chair.limits, self.parameters.prediction
@@ -185,23 +190,23 @@ class DockingController:
         if not self._stops_clear(v, omega):
             self.counters.obstacle_stops += 1
             return self._brake(stamp, solution, _TOO_NEAR, slow)
-        self._history.sent(stamp, v, omega)
+        self.history.sent(stamp, v, omega)
         status = Status.SOLVED
         if solution.status is SolveStatus.LIMIT:
             self.counters.time_limits += 1
             status = Status.TIME_LIMIT
         return Command(
-            v,
-            omega,
-            status,
-            self._replanner.name,
-            solution.text,
-            solution.solve_time,
-            self._replanner.solve_cpu,
-            solution.iterations,
-            solution.cost,
-            max(plan.violation, solution.gap),
-            composed(target, plan.states[:, :3]),
+            v=v,
+            omega=omega,
+            status=status,
+            solver=self._replanner.name,
+            text=solution.text,
+            solve_time=solution.solve_time,
+            solve_cpu=self._replanner.solve_cpu,
+            iterations=solution.iterations,
+            cost=solution.cost,
+            constraint_violation=max(plan.violation, solution.violation),
+            path=composed(target, plan.states[:, :3]),
         )
 
     def _fall_back(self, stamp: float, solution: Solution | None, text: str, slow: bool = False) -> Command:
@@ -210,7 +215,7 @@ class DockingController:
         plan, age, period = self._replanner.plan, stamp - self._replanner.stamp, self.parameters.control_period
         if solution is not None and plan is not None and age <= self.parameters.fallback.max_plan_age + 1e-9:
             v, omega = plan.speeds_at(age + period)
-            v, omega = clamp(self._chair, v, omega, self._history.last or (0.0, 0.0), period, slow)
+            v, omega = clamp(self._chair, v, omega, self._commands.last or (0.0, 0.0), period, slow)
             if self._stops_clear(v, omega):
                 self.counters.shifted += 1
                 return self._sent(stamp, v, omega, Status.FALLBACK_SHIFTED, solution, text)
@@ -219,7 +224,7 @@ class DockingController:
 
     def _brake(self, stamp: float, solution: Solution | None, text: str, slow: bool) -> Command:
         """Slower along the last plan's path, or with the curvature kept, which ends in standing."""
-        before, period = self._history.last or (0.0, 0.0), self.parameters.control_period
+        before, period = self._commands.last or (0.0, 0.0), self.parameters.control_period
         path = self._replanner.path
         curvature = None if path is None else curvature_at(path, self._acts_at)
         v, omega = braked(before, self._chair.limits.a_max * period, curvature)
@@ -230,11 +235,16 @@ class DockingController:
         self, stamp: float, v: float, omega: float, status: Status, solution: Solution | None, text: str
     ) -> Command:
         """A command that does not come from a new plan; remembered as sent."""
-        self._history.sent(stamp, v, omega)
-        wall, cpu, iterations = 0.0, 0.0, 0
-        if solution is not None:
-            wall, cpu, iterations = solution.solve_time, self._replanner.solve_cpu, solution.iterations
-        return Command(v, omega, status, self._replanner.name, text, wall, cpu, iterations)
+        self.history.sent(stamp, v, omega)
+        command = Command(v=v, omega=omega, status=status, solver=self._replanner.name, text=text)
+        if solution is None:
+            return command
+        return replace(
+            command,
+            solve_time=solution.solve_time,
+            solve_cpu=self._replanner.solve_cpu,
+            iterations=solution.iterations,
+        )
 
     def _stops_clear(self, v: float, omega: float) -> bool:
         if not self._obstacles:

@@ -10,16 +10,19 @@ from numpy.typing import NDArray
 
 from seater_common.geometry import Chair
 from seater_common.se2 import inverse, relative, transform_points, wrap_angles
-from seater_nmpc.ocp.geometry import Areas
-from seater_nmpc.ocp.nlp import Plan, WarmStart
-from seater_nmpc.ocp.ocp import make_problem
+from seater_nmpc.ocp.areas import Areas
+from seater_nmpc.ocp.formulations import make_problem
+from seater_nmpc.ocp.programme import Plan, WarmStart
 from seater_nmpc.parameters import ControlParameters
 from seater_nmpc.solve.guard import GuardedSolver
-from seater_nmpc.solve.solver import Solution, Solver, SolveStatus, make_solver
+from seater_nmpc.solve.interface import Solution, Solver, SolveStatus
+from seater_nmpc.solve.registry import make_solver
 
 Array = NDArray[np.float64]
 
-_COLD_ROUNDS = 4  # solves of a cold start among obstacles, each with the lines that part the last one's plan from them
+_COLD_ROUNDS = (
+    4  # solves of a cold start among obstacles, each with the lines that separate the last one's plan from them
+)
 _RESTART_AFTER = 3  # failed solves in a row after which the warm start is thrown away
 
 
@@ -38,11 +41,10 @@ class Replanner:
         """`areas` in the dock's frame, None: free space. `deterministic`: no wall-time limit. `solver`: not the named one."""
         self._parameters, self._areas = parameters, areas
         self._problem = make_problem(chair, parameters, areas)
-        problem = self._problem
-        solver = solver or make_solver(problem.functions, parameters, problem.refinement, problem.curvature)
+        solver = solver or make_solver(self._problem, parameters)
         self._solver = GuardedSolver(solver, max(parameters.fallback.feasibility, parameters.rti.feasibility))
-        self._limit = None if deterministic else parameters.ipopt.max_wall_time
-        self._cold_limit = None if deterministic else parameters.ipopt.max_wall_time_cold
+        self._limit = None if deterministic else parameters.max_wall_time
+        self._cold_limit = None if deterministic else parameters.max_wall_time_cold
         self._solver.prepare([self._limit, self._cold_limit])
         self.solve_cpu = 0.0  # the last solve's time on the processor, in this thread [s]
         self.reset()
@@ -110,7 +112,7 @@ class Replanner:
         """Whether its plan may be followed: solved, or stopped where all constraints hold."""
         if solution.status is SolveStatus.SOLVED:
             return True
-        return solution.status is SolveStatus.LIMIT and solution.gap <= self._parameters.fallback.feasibility
+        return solution.status is SolveStatus.LIMIT and solution.violation <= self._parameters.fallback.feasibility
 
     def _unwound(self, state: Array) -> Array:
         """The same state, its heading counted on from the last one's: no flipping between half a turn left and right."""

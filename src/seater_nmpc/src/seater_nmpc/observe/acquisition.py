@@ -12,7 +12,7 @@ from seater_nmpc.observe.measurement import Measurement, combine, distance
 from seater_nmpc.observe.odometry import Instant
 
 Array = NDArray[np.float64]
-Track = list[tuple[Instant, Measurement]]
+Series = list[tuple[Instant, Measurement]]
 
 _PATIENCE = 4  # times the images that are needed, after which the likelier pose is taken though the odds are open
 
@@ -35,31 +35,31 @@ class Acquisition:
         """Forget all images."""
         self._images.clear()
 
-    def offer(self, chair: Instant, offered: list[Measurement]) -> Track | None:
+    def offer(self, chair: Instant, offered: list[Measurement]) -> Series | None:
         """Take the poses in odom that an image leaves open; the images in the order of their times once they agree."""
         self._images.append((chair, offered))
         while len(self._images) >= self._count:
-            tracks = sorted(self._agreeing(offered), key=lambda scored: scored[0], reverse=True)
-            if tracks:
-                clear = len(tracks) == 1 or tracks[0][0] - tracks[1][0] >= self._odds
+            agreeing = sorted(self._agreeing(offered), key=lambda scored: scored[0], reverse=True)
+            if agreeing:
+                clear = len(agreeing) == 1 or agreeing[0][0] - agreeing[1][0] >= self._odds
                 if clear or len(self._images) == self._images.maxlen:
-                    return sorted(tracks[0][1], key=lambda entry: entry[0].stamp)
+                    return sorted(agreeing[0][1], key=lambda entry: entry[0].stamp)
                 return None
             if len(self._images) == self._count:
                 return None
             self._images.popleft()  # perhaps it is the oldest one that does not fit
         return None
 
-    def _agreeing(self, seeds: list[Measurement]) -> list[tuple[float, Track]]:
+    def _agreeing(self, candidates: list[Measurement]) -> list[tuple[float, Series]]:
         """For each pose of the newest image what is nearest to it in the others, where these agree; with log weights."""
         result = []
-        for seed in seeds:
-            track = [
-                (chair, min(poses, key=lambda m: distance(m.pose, seed.pose, m.covariance + seed.covariance)))
+        for candidate in candidates:
+            series = [
+                (chair, min(poses, key=lambda m: distance(m.pose, candidate.pose, m.covariance + candidate.covariance)))
                 for chair, poses in list(self._images)[:-1]
             ]
-            track.append((self._images[-1][0], seed))
-            mean = combine([measurement for _, measurement in track])
-            if all(distance(m.pose, mean.pose, m.covariance + self._common) <= self._gate for _, m in track):
-                result.append((sum(math.log(m.weight) for _, m in track), track))
+            series.append((self._images[-1][0], candidate))
+            mean = combine([measurement for _, measurement in series])
+            if all(distance(m.pose, mean.pose, m.covariance + self._common) <= self._gate for _, m in series):
+                result.append((sum(math.log(m.weight) for _, m in series), series))
         return result

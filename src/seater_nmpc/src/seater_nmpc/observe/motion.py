@@ -11,11 +11,10 @@ import math
 
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.observe.prediction import CommandHistory
-from seater_nmpc.parameters import ObserverParameters, Prediction
+from seater_nmpc.parameters import ObserverParameters
 
-_UNEXPLAINED = (
-    16.0  # squared normalised residual from which on the motors plainly do something else: the odometry counts
-)
+# Normalised innovation squared from which on the motors plainly do something else: the odometry counts.
+_UNEXPLAINED = 16.0
 _GAP = 0.5  # [s] between two messages after which the filter begins anew
 
 
@@ -33,38 +32,30 @@ class _Axis:
         self.variance = decay**2 * self.variance + self._agility * max(self._lag, duration) * duration
 
     def update(self, measured: float) -> None:
-        residual, expected = measured - self.speed, self.variance + self._noise
-        if residual**2 > _UNEXPLAINED * expected or math.isinf(expected):
+        innovation, expected = measured - self.speed, self.variance + self._noise
+        if innovation**2 > _UNEXPLAINED * expected or math.isinf(expected):
             self.speed, self.variance = measured, self._noise
             return
         gain = self.variance / expected
-        self.speed += gain * residual
+        self.speed += gain * innovation
         self.variance *= 1.0 - gain
 
 
 class MotionObserver:
-    """Speeds of the chair now. Feed it each odometry message, and each command when it is sent."""
+    """Speeds of the chair now. Feed it each odometry message; `history` is where the commands are noted when they are sent."""
 
-    def __init__(self, prediction: Prediction, parameters: ObserverParameters) -> None:
-        self._history = CommandHistory(prediction)
-        self._prediction, self._parameters = prediction, parameters
+    def __init__(self, history: CommandHistory, parameters: ObserverParameters) -> None:
+        self._commands = history.view()
+        self._lag, self._parameters = history.prediction.motor_lag, parameters
         self.clear()
 
     def clear(self) -> None:
-        """Forget speeds and commands."""
-        p, lag = self._parameters, self._prediction.motor_lag
-        self._history.clear()
+        """Forget the speeds and what was sent until now."""
+        p = self._parameters
+        self._commands.restart()
         self._stamp: float | None = None
-        self._v = _Axis(p.speed_noise, p.speed_agility, lag)
-        self._omega = _Axis(p.omega_noise, p.omega_agility, lag)
-
-    def forget_commands(self) -> None:
-        """From now on nothing is known about what the motors were asked for."""
-        self._history.clear()
-
-    def sent(self, stamp: float, v: float, omega: float) -> None:
-        """A command computed from the odometry at `stamp` [s] was sent."""
-        self._history.sent(stamp, v, omega)
+        self._v = _Axis(p.speed_noise, p.speed_agility, self._lag)
+        self._omega = _Axis(p.omega_noise, p.omega_agility, self._lag)
 
     def add_odometry(self, odometry: Odometry) -> None:
         """Take a message that is finite and newer than the last one."""
@@ -72,7 +63,7 @@ class MotionObserver:
             self.clear()
         if self._stamp is not None:
             duration = odometry.stamp - self._stamp
-            v, omega = self._history.speeds(self._stamp, odometry.stamp, self._v.speed, self._omega.speed)
+            v, omega = self._commands.speeds(self._stamp, odometry.stamp, self._v.speed, self._omega.speed)
             self._v.predict(v, duration)
             self._omega.predict(omega, duration)
         self._v.update(odometry.v)
@@ -83,4 +74,4 @@ class MotionObserver:
         """(v [m/s], omega [rad/s]) at `stamp`, not before the newest message; zero before the first one."""
         if self._stamp is None:
             return 0.0, 0.0
-        return self._history.speeds(self._stamp, stamp, self._v.speed, self._omega.speed)
+        return self._commands.speeds(self._stamp, stamp, self._v.speed, self._omega.speed)

@@ -12,36 +12,23 @@ from __future__ import annotations
 import math
 from collections import Counter, deque
 from dataclasses import dataclass
-from enum import Enum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import CameraMount
 from seater_common.se2 import wrap_angle
-from seater_nmpc.observe.acquisition import Acquisition, Track
+from seater_nmpc.observe.acquisition import Acquisition, Series
 from seater_nmpc.observe.drift import scale_covariance, transition
-from seater_nmpc.observe.measurement import Hypothesis, Measurement, difference, distance, in_frame, project
+from seater_nmpc.observe.innovation import Fusion, Innovation, Outcome, likeliest
+from seater_nmpc.observe.measurement import Hypothesis, Measurement, Planar, difference, in_frame, project
 from seater_nmpc.observe.odometry import Instant, Odometry, OdometryBuffer
 from seater_nmpc.parameters import ObserverParameters
 
 Array = NDArray[np.float64]
 
 
-class Outcome(Enum):
-    """What became of the detections of one image."""
-
-    EMPTY = "empty"  # no dock in the image
-    INVALID = "invalid"  # not finite, or no dock that stands on a floor
-    NO_ODOMETRY = "no odometry"  # none for the time of the image
-    ACQUIRING = "acquiring"
-    ACQUIRED = "acquired"
-    FUSED = "fused"
-    REJECTED = "rejected"
-    REACQUIRED = "reacquired"
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class DockEstimate:
     """The dock in odom at one time."""
 
@@ -93,11 +80,11 @@ class DockObserver:
         self.refused_odometry += not taken
         return taken
 
-    def add_detections(self, stamp: float, hypotheses: list[Hypothesis]) -> Outcome:
+    def add_detections(self, stamp: float, hypotheses: list[Hypothesis]) -> Fusion:
         """Take what one image, taken at `stamp`, says about the dock."""
-        outcome = self._take(stamp, hypotheses)
-        self.counts[outcome] += 1
-        return outcome
+        fusion = self._take(stamp, hypotheses)
+        self.counts[fusion.outcome] += 1
+        return fusion
 
     def estimate(self, stamp: float | None = None) -> DockEstimate | None:
         """The dock at `stamp` (default: that of the newest odometry); None before it was found or without odometry."""
@@ -108,34 +95,30 @@ class DockObserver:
         mean, covariance = self._predict(last, now)
         blind = max(0.0, now.driven - last.instant.driven)
         age = max(0.0, now.stamp - last.instant.stamp)
-        return DockEstimate(mean[:3], covariance[:3, :3] + self._calibration, age, blind)
+        return DockEstimate(
+            pose=mean[:3], covariance=covariance[:3, :3] + self._calibration, age=age, blind_distance=blind
+        )
 
     def measurements_since(self, stamp: float) -> list[Measurement]:
         """Measurements of the dock in odom that were used, of images taken at or after `stamp`."""
         return [state.measurement for state in self._states if state.instant.stamp >= stamp]
 
-    def _take(self, stamp: float, hypotheses: list[Hypothesis]) -> Outcome:
+    def _take(self, stamp: float, hypotheses: list[Hypothesis]) -> Fusion:
         if not hypotheses:
-            return Outcome.EMPTY
+            return Fusion(outcome=Outcome.EMPTY)
         chair = self.odometry.at(stamp)
         if chair is None:
-            return Outcome.NO_ODOMETRY
-        offered = self._offered(chair, hypotheses)
+            return Fusion(outcome=Outcome.NO_ODOMETRY)
+        planar = [p for p in (project(self._T_base_optical, hypothesis) for hypothesis in hypotheses) if p is not None]
+        offered = [in_frame(chair.pose, p.measurement) for p in planar if self._on_the_floor(p)]
         if not offered:
-            return Outcome.INVALID
+            return Fusion(outcome=Outcome.FLIP if planar else Outcome.INVALID)
         if not self._states:
-            return self._acquire(chair, offered)
+            return Fusion(outcome=self._acquire(chair, offered))
         return self._fuse(chair, offered)
 
-    def _offered(self, chair: Instant, hypotheses: list[Hypothesis]) -> list[Measurement]:
-        """The hypotheses that can be a dock on the floor, in odom."""
-        p, result = self.parameters, []
-        for hypothesis in hypotheses:
-            planar = project(self._T_base_optical, hypothesis)
-            if planar is None or planar.tilt > p.max_tilt or abs(planar.height) > p.max_height:
-                continue
-            result.append(in_frame(chair.pose, planar.measurement))
-        return result
+    def _on_the_floor(self, planar: Planar) -> bool:
+        return planar.tilt <= self.parameters.max_tilt and abs(planar.height) <= self.parameters.max_height
 
     def _acquire(self, chair: Instant, offered: list[Measurement]) -> Outcome:
         if self._prior is not None:
@@ -144,33 +127,34 @@ class DockObserver:
         if not offered or (self._standing and moving):
             self._candidates.clear()
             return Outcome.ACQUIRING
-        track = self._candidates.offer(chair, offered)
-        if track is None:
+        series = self._candidates.offer(chair, offered)
+        if series is None:
             return Outcome.ACQUIRING
-        self._begin(track)
+        self._begin(series)
         return Outcome.ACQUIRED
 
-    def _begin(self, track: Track) -> None:
+    def _begin(self, series: Series) -> None:
         """From the first measurement and what is known about such odometry; the others are fused one after the other."""
-        chair, first = track[0]
+        chair, first = series[0]
         covariance = np.zeros((6, 6))
         covariance[:3, :3], covariance[3:, 3:] = first.covariance, scale_covariance(self.parameters)
         self._states.clear()
         self._states.append(_State(chair, np.concatenate([first.pose, np.zeros(3)]), covariance, first))
-        for chair, measurement in track[1:]:
+        for chair, measurement in series[1:]:
             self._update(chair, measurement)
         self._candidates.clear()
         self._rejected.clear()
 
-    def _fuse(self, chair: Instant, offered: list[Measurement]) -> Outcome:
+    def _fuse(self, chair: Instant, offered: list[Measurement]) -> Fusion:
         later = [state for state in self._states if state.instant.stamp > chair.stamp]
         if len(later) == len(self._states):
-            return Outcome.NO_ODOMETRY  # older than everything that is kept
+            return Fusion(outcome=Outcome.STALE)
         before = self._states[len(self._states) - len(later) - 1]
         mean, predicted = self._predict(before, chair)
-        far, best = self._likeliest(offered, mean[:3], predicted[:3, :3])
-        if far > self.parameters.gate:
-            return self._reject(chair, offered)
+        gate = self.parameters.gate
+        innovation, best = likeliest(offered, mean[:3], predicted[:3, :3], self._calibration, gate)
+        if innovation.nis > gate:
+            return self._reject(chair, offered, innovation)
         self._rejected.clear()
         for _ in later:
             self._states.pop()
@@ -179,17 +163,7 @@ class DockObserver:
             self._update(state.instant, state.measurement)
         while len(self._states) > 1 and self._states[0].instant.stamp < chair.stamp - self.parameters.buffer_duration:
             self._states.popleft()
-        return Outcome.FUSED
-
-    def _likeliest(self, offered: list[Measurement], pose: Array, covariance: Array) -> tuple[float, Measurement]:
-        """Of the poses that one image leaves open; with its squared distance from the expected one, for the gate."""
-        scored = []
-        for measurement in offered:
-            S = covariance + measurement.covariance + self._calibration
-            far = distance(measurement.pose, pose, S)
-            scored.append((far + float(np.linalg.slogdet(S)[1]) - 2.0 * math.log(measurement.weight), far, measurement))
-        _, far, best = min(scored, key=lambda entry: entry[0])
-        return far, best
+        return Fusion(outcome=Outcome.FUSED, innovation=innovation)
 
     def _predict(self, last: _State, now: Instant) -> tuple[Array, Array]:
         F, Q = transition(last.mean[:3], last.instant, now, self.parameters)
@@ -207,9 +181,9 @@ class DockObserver:
         covariance = keep @ P @ keep.T + gain @ measurement.covariance @ gain.T  # Joseph's form stays symmetric
         self._states.append(_State(chair, mean, covariance, measurement))
 
-    def _reject(self, chair: Instant, offered: list[Measurement]) -> Outcome:
-        track = self._rejected.offer(chair, offered)
-        if track is None:
-            return Outcome.REJECTED
-        self._begin(track)
-        return Outcome.REACQUIRED
+    def _reject(self, chair: Instant, offered: list[Measurement], innovation: Innovation) -> Fusion:
+        series = self._rejected.offer(chair, offered)
+        if series is None:
+            return Fusion(outcome=Outcome.GATE, innovation=innovation)
+        self._begin(series)
+        return Fusion(outcome=Outcome.REACQUIRED, innovation=innovation)

@@ -42,14 +42,14 @@ class Travel:
     by_way: Array  # (3, 3) of q q' |ds|
     by_turn: Array  # (3, 3) of q q' |dt|
 
-    def plus(self, other: Travel, share: float = 1.0) -> Travel:
-        """This, and `share` of the other."""
+    def plus(self, other: Travel, fraction: float = 1.0) -> Travel:
+        """This, and `fraction` of the other."""
         return Travel(
-            self.way + share * other.way,
-            self.turn + share * other.turn,
-            self.along + share * other.along,
-            self.by_way + share * other.by_way,
-            self.by_turn + share * other.by_turn,
+            self.way + fraction * other.way,
+            self.turn + fraction * other.turn,
+            self.along + fraction * other.along,
+            self.by_way + fraction * other.by_way,
+            self.by_turn + fraction * other.by_turn,
         )
 
 
@@ -142,9 +142,9 @@ def _ahead(last: Instant, stamp: float) -> Instant:
 
 
 def _between(before: Instant, after: Instant, stamp: float) -> Instant:
-    share = (stamp - before.stamp) / (after.stamp - before.stamp)
-    pose = compose(before.pose, share * relative(before.pose, after.pose))
-    v = before.v + share * (after.v - before.v)
-    omega = before.omega + share * (after.omega - before.omega)
-    travel = before.travel.plus(after.travel.plus(before.travel, -1.0), share)
+    fraction = (stamp - before.stamp) / (after.stamp - before.stamp)
+    pose = compose(before.pose, fraction * relative(before.pose, after.pose))
+    v = before.v + fraction * (after.v - before.v)
+    omega = before.omega + fraction * (after.omega - before.omega)
+    travel = before.travel.plus(after.travel.plus(before.travel, -1.0), fraction)
     return Instant(stamp, pose, v, omega, travel)

@@ -1,9 +1,10 @@
-"""From the last measurement to the time when the next command acts: delay, latency and motor lag."""
+"""What was sent to the motors, and the chair from the last measurement to when the next command acts: delay, latency, lag."""
 
 from __future__ import annotations
 
 import math
 from collections import deque
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,41 +15,88 @@ from seater_nmpc.parameters import Prediction
 Array = NDArray[np.float64]
 
 _SUBSTEP = 0.01  # [s] longest piece that the prediction rolls at once
+_SAME_TIME = 1e-9  # [s] times nearer to each other than this are one
 _MEMORY = 2.0  # [s] how long a command that acts already is kept
 
 
+class _Sent(NamedTuple):
+    """One command."""
+
+    number: int
+    at: float  # when it acts [s]
+    v: float  # [m/s]
+    omega: float  # [rad/s]
+
+
 class CommandHistory:
-    """The commands that were sent, and when each of them acts."""
+    """All commands that were sent to one chair, and when each of them acts. Its readers look at it through a CommandView."""
 
-    def __init__(self, parameters: Prediction) -> None:
-        self._parameters = parameters
-        self._sent: deque[tuple[float, float, float]] = deque()  # acts at [s], v, omega
-
-    @property
-    def last(self) -> tuple[float, float] | None:
-        """(v, omega) of the command sent last."""
-        return self._sent[-1][1:] if self._sent else None
-
-    def acceleration(self, period: float) -> tuple[float, float]:
-        """(dv/dt, domega/dt) between the last two commands, `period` [s] apart; zero where there are not two."""
-        if len(self._sent) < 2:
-            return 0.0, 0.0
-        (_, v0, w0), (_, v1, w1) = self._sent[-2], self._sent[-1]
-        return (v1 - v0) / period, (w1 - w0) / period
+    def __init__(self, prediction: Prediction) -> None:
+        self.prediction = prediction
+        self._sent: deque[_Sent] = deque()
+        self._count = 0  # of all that were ever sent
 
     def clear(self) -> None:
         """Forget everything: nothing is known to be on its way."""
         self._sent.clear()
 
     def sent(self, stamp: float, v: float, omega: float) -> None:
-        """A command computed from the measurement at `stamp` [s] was sent."""
-        while self._sent and self._sent[0][0] < stamp - _MEMORY:
+        """A command computed from the measurement at `stamp` [s] was sent. Of two for one stamp the later one acts.
+
+        When time goes backward, what was sent before is forgotten.
+        """
+        at = self.acts_at(stamp)
+        if self._sent and self._sent[-1].at > at:
+            self._sent.clear()
+        elif self._sent and self._sent[-1].at == at:
+            self._sent.pop()
+        while self._sent and self._sent[0].at < stamp - _MEMORY:
             self._sent.popleft()
-        self._sent.append((self.acts_at(stamp), v, omega))
+        self._sent.append(_Sent(self._count, at, v, omega))
+        self._count += 1
 
     def acts_at(self, stamp: float) -> float:
         """When a command computed from the measurement at `stamp` acts [s]."""
-        return stamp + self._parameters.solve_latency + self._parameters.command_delay
+        return stamp + self.prediction.solve_latency + self.prediction.command_delay
+
+    def view(self) -> CommandView:
+        """Of the commands that are sent from now on."""
+        return CommandView(self)
+
+    def since(self, number: int) -> list[_Sent]:
+        """The commands from this number on, in the order in which they act."""
+        return [command for command in self._sent if command.number >= number]
+
+    @property
+    def next_number(self) -> int:
+        """Of the command that will be sent next."""
+        return self._count
+
+
+class CommandView:
+    """The commands of a history since `restart`, and what the motors make of them."""
+
+    def __init__(self, history: CommandHistory) -> None:
+        self._history = history
+        self.restart()
+
+    def restart(self) -> None:
+        """From now on only what is sent later counts."""
+        self._first = self._history.next_number
+
+    @property
+    def last(self) -> tuple[float, float] | None:
+        """(v, omega) of the command sent last."""
+        commands = self._history.since(self._first)
+        return (commands[-1].v, commands[-1].omega) if commands else None
+
+    def acceleration(self, period: float) -> tuple[float, float]:
+        """(dv/dt, domega/dt) between the last two commands, `period` [s] apart; zero where there are not two."""
+        commands = self._history.since(self._first)
+        if len(commands) < 2:
+            return 0.0, 0.0
+        before, last = commands[-2:]
+        return (last.v - before.v) / period, (last.omega - before.omega) / period
 
     def roll(self, stamp: float, pose: ArrayLike, v: float, omega: float) -> tuple[Array, float, float]:
         """Pose, v and omega at the time when the next command acts, from a measurement at `stamp`.
@@ -56,27 +104,23 @@ class CommandHistory:
         The motors follow each command with a first-order lag; without lag the measured speeds hold until the first
         command that acts.
         """
-        return self._advance(stamp, self.acts_at(stamp), np.asarray(pose, dtype=float), v, omega)
+        return self._advance(stamp, self._history.acts_at(stamp), np.asarray(pose, dtype=float), v, omega)
 
     def speeds(self, start: float, end: float, v: float, omega: float) -> tuple[float, float]:
         """v and omega at `end`, from those at `start`; as in `roll`."""
         return self._advance(start, end, np.zeros(3), v, omega)[1:]
 
     def _advance(self, time: float, end: float, pose: Array, v: float, omega: float) -> tuple[Array, float, float]:
-        lag = self._parameters.motor_lag
-        while time < end - 1e-9:
-            changes = [at for at, _, _ in self._sent if at > time + 1e-9]
+        lag, commands = self._history.prediction.motor_lag, self._history.since(self._first)
+        while time < end - _SAME_TIME:
+            changes = [command.at for command in commands if command.at > time + _SAME_TIME]
             step = min([end - time, _SUBSTEP, *(at - time for at in changes)])
-            asked = self._acting(time)
-            v, mean_v = _follow(v, None if asked is None else asked[0], step, lag)
-            omega, mean_omega = _follow(omega, None if asked is None else asked[1], step, lag)
+            acting = _acting(commands, time)
+            v, mean_v = _follow(v, None if acting is None else acting.v, step, lag)
+            omega, mean_omega = _follow(omega, None if acting is None else acting.omega, step, lag)
             pose = arc_step(pose, mean_v, mean_omega, step)
             time += step
         return pose, v, omega
-
-    def _acting(self, time: float) -> tuple[float, float] | None:
-        acting = [command for command in self._sent if command[0] <= time + 1e-9]
-        return acting[-1][1:] if acting else None
 
 
 def coasting_pose(pose: ArrayLike, v: float, omega: float, lag: float) -> Array:
@@ -86,6 +130,12 @@ def coasting_pose(pose: ArrayLike, v: float, omega: float, lag: float) -> Array:
     planning from this pose with the commands as speeds takes the lag into account at no cost to the solver.
     """
     return arc_step(pose, v, omega, lag)
+
+
+def _acting(commands: list[_Sent], time: float) -> _Sent | None:
+    """The last command that acts by then."""
+    acting = [command for command in commands if command.at <= time + _SAME_TIME]
+    return acting[-1] if acting else None
 
 
 def _follow(speed: float, asked: float | None, step: float, lag: float) -> tuple[float, float]:

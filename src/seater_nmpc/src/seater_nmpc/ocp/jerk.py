@@ -6,16 +6,16 @@ import math
 
 import casadi as ca
 
-from seater_nmpc.ocp.nlp import StageProgramme
+from seater_nmpc.ocp.programme import StageProgramme
 from seater_nmpc.parameters import ControlParameters
 
 
 class JerkLimits:
     """|u_k - u_(k-1)| <= jerk * step + s for the accelerations u = (dv/dt, domega/dt), with u_(-1) given with each instance.
 
-    A step is as long as one of the prediction, the first one a control period: after that the next plan begins. Soft at an
-    exact price, so that a chair near its speed limits never has an infeasible problem. Neighbouring stages are coupled, which
-    the stage-wise solver fatrop cannot take.
+    A step is as long as one of the prediction, the first one a control period: after that the next plan begins. Soft with an
+    exact penalty, so that a chair near its speed limits never has an infeasible problem. Neighbouring stages are coupled, which
+    not every solver takes.
     """
 
     def __init__(self, parameters: ControlParameters, programme: StageProgramme) -> None:
@@ -26,22 +26,18 @@ class JerkLimits:
 
     @classmethod
     def wanted(cls, parameters: ControlParameters, programme: StageProgramme) -> JerkLimits | None:
-        """The limits that the parameters ask for; None: none. Raises ValueError for a solver that cannot take them."""
+        """The limits that the parameters ask for; None: none."""
         if parameters.max_jerk == 0.0 and parameters.max_angular_jerk == 0.0:
             return None
-        if parameters.solver == "fatrop":
-            raise ValueError(
-                "control/solver: is 'fatrop', must be another one where max_jerk or max_angular_jerk is not 0"
-            )
         return cls(parameters, programme)
 
     def add_stage(self, programme: StageProgramme, u: ca.SX, step: float) -> None:
         """Bind the accelerations of the next stage, of length `step` [s], to those of the stage before."""
-        price = self._parameters.weights.violation
+        weight = self._parameters.weights.violation
         slack, _ = programme.variable("sj", [0.0] * 2, [math.inf] * 2)
         for i, limit in enumerate(self._limits):
             if math.isfinite(limit):
                 change, most = u[i] - self._before[i], limit * self._step + slack[i]
                 programme.constrain(ca.vertcat(most - change, most + change), 0.0, math.inf)
-        programme.cost += step * price * (ca.sum1(slack) + ca.sumsqr(slack))
+        programme.cost += step * weight * (ca.sum1(slack) + ca.sumsqr(slack))
         self._before, self._step = u, step

@@ -74,9 +74,9 @@ def step_curvature(z: ca.SX, u: ca.SX, force: ca.SX, step: float, integrator: st
     b = step * (force[1] * ca.cos(phi) - force[0] * ca.sin(phi))
     middle, radius = 0.5 * a, ca.sqrt(0.25 * a**2 + b**2 + 1e-16)
     high, low = ca.fmax(0.0, middle + radius), ca.fmax(0.0, middle - radius)
-    share = 0.5 * (high - low) / radius
+    ratio = 0.5 * (high - low) / radius
     mean = 0.5 * (high + low)
     convex = ca.vertcat(
-        ca.horzcat(mean + share * (a - middle), share * b), ca.horzcat(share * b, mean - share * middle)
+        ca.horzcat(mean + ratio * (a - middle), ratio * b), ca.horzcat(ratio * b, mean - ratio * middle)
     )
     return ca.sparsify(J).T @ convex @ ca.sparsify(J)

@@ -1,4 +1,4 @@
-"""Lines that part the chair's footprint from convex polygons: what keeps a plan clear of obstacles. Plain geometry."""
+"""Lines that separate the chair's footprint from convex polygons: what keeps a plan clear of obstacles. Plain geometry."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import ConvexHull, QhullError
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -13,14 +14,14 @@ Indices = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class Lines:
-    """For each of n poses and m polygons the line with the largest gap between the footprint and the polygon.
+    """For each of n poses and m polygons the line with the largest distance between the footprint and the polygon.
 
     The polygon lies in normal . p <= offset, so a footprint whose corners V have normal . V >= offset is clear of it.
     """
 
     normals: Array  # (n, m, 2), unit vectors from the polygon towards the chair
     offsets: Array  # (n, m) [m]
-    gaps: Array  # (n, m) [m]; negative: they overlap, and the line is that of the shortest way out
+    distances: Array  # (n, m) [m], signed; negative: they overlap, and the line is that of the shortest way out
 
 
 def footprints(corners: ArrayLike, poses: ArrayLike) -> Array:
@@ -32,7 +33,7 @@ def footprints(corners: ArrayLike, poses: ArrayLike) -> Array:
     return np.stack([x, y], axis=2)
 
 
-def parting_lines(shapes: Array, polygons: list[Array]) -> Lines:
+def separating_lines(shapes: Array, polygons: list[Array]) -> Lines:
     """Between the footprints `shapes` (n, 4, 2) and convex polygons, (k, 2) each, both anticlockwise.
 
     The best normal is across an edge of one of them or, where two corners face each other, along the line between these.
@@ -41,12 +42,12 @@ def parting_lines(shapes: Array, polygons: list[Array]) -> Lines:
     if not found:
         nothing = np.zeros((len(shapes), 0))
         return Lines(np.zeros((len(shapes), 0, 2)), nothing, nothing)
-    normals, offsets, gaps = (np.stack([one[i] for one in found], axis=1) for i in range(3))
-    return Lines(normals, offsets, gaps)
+    normals, offsets, distances = (np.stack([one[i] for one in found], axis=1) for i in range(3))
+    return Lines(normals, offsets, distances)
 
 
-def edge_gaps(shapes: Array, polygon: Array) -> Array:
-    """(n,) largest gap across an edge of either: the distance, or less where two corners face each other [m]."""
+def edge_distances(shapes: Array, polygon: Array) -> Array:
+    """(n,) largest signed distance across an edge of either: the distance, or less where two corners face each other [m]."""
     theirs = -outward_normals(polygon[None])[0]  # (k, 2)
     ahead = np.min(shapes @ -theirs.T, axis=1) + np.min(polygon @ theirs.T, axis=0)
     ours = outward_normals(shapes)
@@ -63,27 +64,27 @@ def outward_normals(shapes: Array) -> Array:
 
 
 def _best(shapes: Array, polygon: Array) -> tuple[Array, Array, Array]:
-    """Normal (n, 2), offset (n,) and gap (n,) of the line with the largest gap between each shape and the polygon."""
+    """Normal (n, 2), offset (n,) and distance (n,) of the line with the largest distance between each shape and the polygon."""
     count = len(shapes)
     across = np.broadcast_to(outward_normals(polygon[None]), (count, len(polygon), 2))
     between = (shapes[:, :, None, :] - polygon).reshape(count, -1, 2)
     length = np.linalg.norm(between, axis=2, keepdims=True)
     normals = np.concatenate([across, -outward_normals(shapes), between / np.maximum(length, 1e-9)], axis=1)
     offsets = np.max(normals @ polygon.T, axis=2)
-    gaps = np.min(normals @ shapes.transpose(0, 2, 1), axis=2) - offsets
-    best, rows = np.argmax(gaps, axis=1), np.arange(count)
-    return normals[rows, best], offsets[rows, best], gaps[rows, best]
+    distances = np.min(normals @ shapes.transpose(0, 2, 1), axis=2) - offsets
+    best, rows = np.argmax(distances, axis=1), np.arange(count)
+    return normals[rows, best], offsets[rows, best], distances[rows, best]
 
 
 def nearest(lines: Lines, count: int) -> Lines:
-    """Of each pose the `count` lines with the smallest gaps."""
-    order: Indices = np.argsort(lines.gaps, axis=1, kind="stable")[:, :count]
+    """Of each pose the `count` lines with the smallest distances."""
+    order: Indices = np.argsort(lines.distances, axis=1, kind="stable")[:, :count]
     rows = np.arange(len(order))[:, None]
-    return Lines(lines.normals[rows, order], lines.offsets[rows, order], lines.gaps[rows, order])
+    return Lines(lines.normals[rows, order], lines.offsets[rows, order], lines.distances[rows, order])
 
 
 def convex_outline(points: ArrayLike) -> Array:
-    """The convex hull of points (n, 2), anticlockwise, without points on its edges.
+    """The convex hull of points (n, 2), anticlockwise from its leftmost corner, without points on its edges.
 
     Raises:
         ValueError: not finite, fewer than three points, or all of them on one line.
@@ -91,22 +92,8 @@ def convex_outline(points: ArrayLike) -> Array:
     points = np.asarray(points, dtype=float)
     if points.ndim != 2 or points.shape[1:] != (2,) or len(points) < 3 or not np.all(np.isfinite(points)):
         raise ValueError("an obstacle must be at least three finite points (x, y)")
-    ordered = points[np.lexsort((points[:, 1], points[:, 0]))]
-    hull = np.array(_chain(ordered)[:-1] + _chain(ordered[::-1])[:-1])
-    if len(hull) < 3:
-        raise ValueError("an obstacle must have an area: its points lie on one line")
-    return hull
-
-
-def _chain(ordered: Array) -> list[Array]:
-    """One side of the hull (Andrew's monotone chain)."""
-    chain: list[Array] = []
-    for point in ordered:
-        while len(chain) > 1 and _turn(chain[-2], chain[-1], point) <= 1e-12:
-            chain.pop()
-        chain.append(point)
-    return chain
-
-
-def _turn(a: Array, b: Array, c: Array) -> float:
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    try:
+        hull = points[ConvexHull(points).vertices]
+    except QhullError as error:
+        raise ValueError("an obstacle must have an area: its points lie on one line") from error
+    return np.roll(hull, -int(np.lexsort((hull[:, 1], hull[:, 0]))[0]), axis=0)

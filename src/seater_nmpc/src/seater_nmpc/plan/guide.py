@@ -86,7 +86,7 @@ def _at(poses: Array, places: Array, place: float) -> Array:
     i = int(np.clip(np.searchsorted(places, place) - 1, 0, len(places) - 2)) if len(places) > 1 else 0
     if len(places) == 1 or place >= places[-1]:
         return np.asarray(poses[-1])
-    share = (place - places[i]) / max(places[i + 1] - places[i], 1e-9)
+    fraction = (place - places[i]) / max(places[i + 1] - places[i], 1e-9)
     turn = wrap_angle(float(poses[i + 1, 2] - poses[i, 2]))
-    xy = poses[i, :2] + share * (poses[i + 1, :2] - poses[i, :2])
-    return np.array([xy[0], xy[1], wrap_angle(float(poses[i, 2] + share * turn))])
+    xy = poses[i, :2] + fraction * (poses[i + 1, :2] - poses[i, :2])
+    return np.array([xy[0], xy[1], wrap_angle(float(poses[i, 2] + fraction * turn))])

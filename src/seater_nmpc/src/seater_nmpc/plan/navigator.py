@@ -15,7 +15,7 @@ from seater_nmpc.plan.planner import Planner
 
 Array = NDArray[np.float64]
 
-_LOOKAHEADS = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)  # shares of `lookahead` that are tried, the farthest first
+_LOOKAHEADS = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)  # fractions of `lookahead` that are tried, the farthest first
 _LANE_STEPS = 12  # poses between the chair and the bay at which the straight way is looked at
 
 
@@ -64,8 +64,8 @@ class Navigator:
         would not find its way round."""
         if not self._planner.obstacles:
             return guide.target(pose, math.inf)
-        for share in _LOOKAHEADS:
-            target = guide.target(pose, share * self._parameters.lookahead)
+        for fraction in _LOOKAHEADS:
+            target = guide.target(pose, fraction * self._parameters.lookahead)
             if self._planner.clear_of_obstacles(_between(pose, target)):
                 break
         return target
@@ -78,10 +78,10 @@ class Navigator:
         """Whether obstacles leave the straight way from `pose` to the bay, and on to the dock, free."""
         if not self._planner.obstacles:
             return True
-        share = np.linspace(0.0, 1.0, _LANE_STEPS)[:, None]
+        fraction = np.linspace(0.0, 1.0, _LANE_STEPS)[:, None]
         pose = np.asarray(pose, dtype=float)
         gate = np.array([max(self._gate_x, pose[0]), 0.0, 0.0])
-        return self._planner.clear_of_obstacles(np.vstack([pose + share * (gate - pose), (1.0 - share) * gate]))
+        return self._planner.clear_of_obstacles(np.vstack([pose + fraction * (gate - pose), (1.0 - fraction) * gate]))
 
 
 def _between(start: Array, end: Array) -> Array:

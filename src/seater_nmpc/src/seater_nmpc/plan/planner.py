@@ -17,8 +17,8 @@ from scipy.sparse.csgraph import dijkstra
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import wrap_angles
-from seater_nmpc.ocp.geometry import dock_areas
-from seater_nmpc.ocp.separation import edge_gaps, footprints
+from seater_nmpc.ocp.constraints.view import outermost_markers
+from seater_nmpc.ocp.separation import edge_distances, footprints
 from seater_nmpc.parameters import PlannerParameters
 from seater_nmpc.plan.lattice import BACKWARD, FORWARD, STAND, Lattice
 
@@ -48,7 +48,8 @@ class Planner:
         self._lattice = Lattice(chair, parameters)
         self._poses = self._lattice.poses()
         self._walls = dock.bay.outlines()
-        self._view = dock_areas(dock).view
+        view = outermost_markers(dock)
+        self._view = (view.left, view.right)
         self._motions = [(motion, *self._lattice.edges(motion)) for motion in self._lattice.motions]
         self._obstacles: list[Array] = []
         self._to_go: Array | None = None
@@ -105,7 +106,7 @@ class Planner:
             low, high = polygon.min(axis=0) - reach - self._margin, polygon.max(axis=0) + reach + self._margin
             near = np.flatnonzero(np.all((poses[:, :2] > low) & (poses[:, :2] < high), axis=1))
             shapes = footprints(self._chair.corners(), poses[near])
-            result[near] &= edge_gaps(shapes, polygon) >= self._margin
+            result[near] &= edge_distances(shapes, polygon) >= self._margin
         return result
 
     def _attach(self, start: Array) -> int | None:

@@ -23,12 +23,14 @@ from seater_common.geometry import planar_pose
 from seater_msgs.msg import (
     ControllerStatus,
     DockFeedback,
+    DockInnovation,
     DockResult,
     MarkerDetectionArray,
     UndockFeedback,
     UndockResult,
 )
 from seater_nmpc.control.command import Command
+from seater_nmpc.observe.innovation import Fusion
 from seater_nmpc.observe.measurement import Hypothesis
 from seater_nmpc.observe.observer import DockEstimate
 from seater_nmpc.observe.odometry import Odometry
@@ -127,6 +129,19 @@ def filtered_pose(stamp: rospy.Time, frame: str, estimate: DockEstimate) -> Pose
     covariance = np.zeros((6, 6))
     covariance[np.ix_([0, 1, 5], [0, 1, 5])] = estimate.covariance
     message.pose.covariance = covariance.ravel().tolist()
+    return message
+
+
+def innovation(stamp: rospy.Time, frame: str, fusion: Fusion) -> DockInnovation:
+    """What the observer made of the image taken at `stamp`; NaN where there was no estimate to compare with."""
+    message = DockInnovation()
+    message.header.stamp, message.header.frame_id = stamp, frame
+    message.accepted, message.outcome = fusion.outcome.accepted, int(fusion.outcome)
+    message.outcome_text = fusion.outcome.text
+    found, nothing = fusion.innovation, [math.nan] * 3
+    message.x, message.y, message.yaw = nothing if found is None else found.value.tolist()
+    message.sd_x, message.sd_y, message.sd_yaw = nothing if found is None else found.sd.tolist()
+    message.nis, message.gate_ratio = (math.nan, math.nan) if found is None else (found.nis, found.gate_ratio)
     return message
 
 

@@ -56,7 +56,7 @@ class Goals:
     def refuse(self, kind: str, handle: Any, code: ResultCode, text: str) -> None:
         """Answer a goal that is not worked on: rejected, or recalled where it was cancelled while waiting."""
         recalled = handle.get_goal_status().status == GoalStatus.RECALLING
-        result = _message(kind, Result(ResultCode.CANCELED if recalled else code, text))
+        result = _message(kind, Result(code=ResultCode.CANCELED if recalled else code, text=text))
         (handle.set_canceled if recalled else handle.set_rejected)(result, text)
         rospy.logwarn("%s goal refused: %s (%s)", kind, text, code.name)
 

@@ -43,7 +43,7 @@ class ResultCode(IntEnum):
 SUCCESSFUL = (ResultCode.SUCCESS, ResultCode.ALREADY_DOCKED)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Result:
     """The end of a goal. Errors: base_link in the dock's frame, as estimated; zero when the dock is unknown."""
 
@@ -62,7 +62,7 @@ class Result:
         return self.code in SUCCESSFUL
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Step:
     """What one update of the sequence asks for and reports."""
 
@@ -70,9 +70,8 @@ class Step:
     phase: Phase
     elapsed: float  # since the goal began [s]
     result: Result | None = None  # set in the last step of a goal
-    distance: float = (
-        -1.0
-    )  # from base_link to the docking pose (undocking: still to go) [m]; -1 while the dock is unknown
+    # From base_link to the docking pose (undocking: still to go) [m]; -1 while the dock is unknown.
+    distance: float = -1.0
     lateral_error: float = 0.0  # [m]
     heading_error: float = 0.0  # [rad]
     measurement_age: float = -1.0  # [s]; -1 when never seen

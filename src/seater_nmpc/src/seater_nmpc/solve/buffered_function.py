@@ -7,7 +7,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from seater_nmpc.solve.solver_interface import Array
+from seater_nmpc.solve.interface import Array
 
 
 class BufferedFunction:

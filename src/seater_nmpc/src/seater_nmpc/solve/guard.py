@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from seater_nmpc.ocp.nlp import ProblemData, WarmStart
-from seater_nmpc.solve.solver_interface import Solution, Solver, SolveStatus, all_finite, failed, outside
+from seater_nmpc.ocp.programme import ProblemData, WarmStart
+from seater_nmpc.solve.interface import Solution, Solver, SolveStatus, all_finite, failed, outside
 
-# A solver that stops at its limit comes back a little after it; by more than this share, and the result is late.
+# A solver that stops at its limit comes back a little after it; by more than this fraction, and the result is late.
 _GRACE = 0.1
 
 
@@ -18,13 +18,13 @@ class GuardedSolver:
     """Passes on to a solver and trusts nothing that comes back.
 
     - An exception, numbers that are not finite, arrays of a wrong length: FAILED.
-    - Later than the time limit by more than a tenth: LIMIT with an infinite gap. It is not used in this cycle, which is over;
-      the next one may go on from it.
-    - SOLVED, but the variables leave their bounds, or the constraints stay open, by more than `feasibility`: LIMIT.
+    - Later than the time limit by more than a tenth: LIMIT with an infinite violation. It is not used in this cycle, which is
+      over; the next one may go on from it.
+    - SOLVED, but the variables leave their bounds, or violate constraints, by more than `feasibility`: LIMIT.
     """
 
     def __init__(self, solver: Solver, feasibility: float) -> None:
-        """`feasibility`: largest gap [m, rad, m/s, rad/s] that a solution may have."""
+        """`feasibility`: largest constraint violation [m, rad, m/s, rad/s] that a solution may have."""
         self._solver, self._feasibility = solver, feasibility
         self.name = solver.name
 
@@ -47,10 +47,10 @@ class GuardedSolver:
             return failed(start, taken, f"{fault} ({solution.text})")
         if time_limit is not None and taken > (1.0 + _GRACE) * time_limit:
             text = f"late: {taken:.3f} s, allowed {time_limit:.3f} s ({solution.text})"
-            return replace(solution, status=SolveStatus.LIMIT, gap=float("inf"), solve_time=taken, text=text)
-        gap = max(solution.gap, outside(solution.x, data.lbx, data.ubx))
-        if gap > self._feasibility:
-            return replace(solution, status=SolveStatus.LIMIT, gap=gap)
+            return replace(solution, status=SolveStatus.LIMIT, violation=float("inf"), solve_time=taken, text=text)
+        violation = max(solution.violation, outside(solution.x, data.lbx, data.ubx))
+        if violation > self._feasibility:
+            return replace(solution, status=SolveStatus.LIMIT, violation=violation)
         return solution
 
 
@@ -59,6 +59,6 @@ def _fault(solution: Solution, data: ProblemData) -> str:
     expected = ((solution.x, data.lbx), (solution.lam_x, data.lbx), (solution.lam_g, data.lbg))
     if any(np.shape(values) != bounds.shape for values, bounds in expected):
         return "arrays of a wrong length"
-    if not all_finite(solution.cost + solution.gap, solution.x, solution.lam_x, solution.lam_g):
+    if not all_finite(solution.cost + solution.violation, solution.x, solution.lam_x, solution.lam_g):
         return "not finite"
     return ""

@@ -1,4 +1,4 @@
-"""A nonlinear programme in stages, put together variable by variable, and what is common to all its users."""
+"""A nonlinear programme in stages, put together variable by variable; its instances, and the plan that a solution is."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ProblemData:
     """One instance of a problem: minimise f(x, p) subject to lbx <= x <= ubx and lbg <= g(x, p) <= ubg."""
 
@@ -32,7 +32,7 @@ class WarmStart:
     lam_g: Array | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Plan:
     """A trajectory in the frame of the problem (the target's)."""
 

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol
+from typing import ClassVar, Protocol, Self
 
-# One thread: threads of BLAS only disturb a solve of this size. Read when the library is loaded, hence before CasADi.
-for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
-    os.environ.setdefault(_name, "1")
+import numpy as np
+from numpy.typing import NDArray
 
-import numpy as np  # noqa: E402
-from numpy.typing import NDArray  # noqa: E402
-
-from seater_nmpc.ocp.nlp import ProblemData, WarmStart  # noqa: E402
+from seater_nmpc.ocp.problem import Problem
+from seater_nmpc.ocp.programme import ProblemData, WarmStart
+from seater_nmpc.parameters import ControlParameters
 
 Array = NDArray[np.float64]
 
@@ -27,7 +24,7 @@ class SolveStatus(Enum):
     FAILED = "failed"  # no usable numbers
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Solution:
     """What a solver gives back; x and the multipliers are finite unless the status is FAILED."""
 
@@ -36,7 +33,7 @@ class Solution:
     lam_x: Array
     lam_g: Array
     cost: float
-    gap: float  # largest violation of bounds and constraints
+    violation: float  # largest one of bounds and constraints [m, rad, m/s, rad/s]
     iterations: int
     solve_time: float  # wall time [s]
     text: str  # the solver's own words
@@ -47,9 +44,14 @@ class Solution:
 
 
 class Solver(Protocol):
-    """A method for problems of one structure."""
+    """A method for problems of one structure, and what it is capable of."""
 
-    name: str
+    name: ClassVar[str]
+    takes_coupled_stages: ClassVar[bool]  # constraints between inputs of neighbouring stages
+
+    @classmethod
+    def for_problem(cls, problem: Problem, parameters: ControlParameters) -> Self:
+        """One for this problem with its own group of the parameters."""
 
     def solve(self, data: ProblemData, start: WarmStart, time_limit: float | None = None) -> Solution:
         """Solve one instance within `time_limit` [s] of wall time (None: only iterations are limited)."""
@@ -71,4 +73,14 @@ def all_finite(cost: float, *arrays: Array) -> bool:
 def failed(start: WarmStart, solve_time: float, text: str) -> Solution:
     """No usable numbers."""
     nothing = np.zeros(0)
-    return Solution(SolveStatus.FAILED, start.x, nothing, nothing, 0.0, float("inf"), 0, solve_time, text)
+    return Solution(
+        status=SolveStatus.FAILED,
+        x=start.x,
+        lam_x=nothing,
+        lam_g=nothing,
+        cost=0.0,
+        violation=float("inf"),
+        iterations=0,
+        solve_time=solve_time,
+        text=text,
+    )

@@ -1,0 +1,85 @@
+"""What became of one image: how far its dock pose was from the expected one, and whether it was used."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_nmpc.observe.measurement import Measurement, difference
+
+Array = NDArray[np.float64]
+
+
+class Outcome(IntEnum):
+    """What became of the detections of one image; the numbers of seater_msgs/DockInnovation."""
+
+    FUSED = 0  # passed the gate
+    ACQUIRED = 1  # the first estimate was made from it and earlier ones
+    REACQUIRED = 2  # outside the gate, but it and those before it agreed: they replaced the estimate
+    ACQUIRING = 3  # kept, until enough of them agree on a first estimate
+    GATE = 4  # outside the gate
+    FLIP = 5  # no dock that stands on a floor: tilted, or too high or low
+    INVALID = 6  # not finite, or a covariance that is none
+    STALE = 7  # older than everything that is kept
+    NO_ODOMETRY = 8  # none for the time of the image
+    EMPTY = 9  # no dock in the image
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the estimate is made of it, too."""
+        return self in (Outcome.FUSED, Outcome.ACQUIRED, Outcome.REACQUIRED)
+
+    @property
+    def text(self) -> str:
+        """In words."""
+        return self.name.lower().replace("_", " ")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Innovation:
+    """Measured minus expected pose of the dock in odom."""
+
+    value: Array  # (3,) x [m], y [m], heading [rad], wrapped
+    covariance: Array  # S, (3, 3): of the expectation, the measurement and what calibration leaves
+    nis: float  # normalised innovation squared: value' S^-1 value
+    gate: float  # NIS up to which it is fused
+
+    @property
+    def gate_ratio(self) -> float:
+        """NIS / gate; above 1: rejected."""
+        return self.nis / self.gate
+
+    @property
+    def sd(self) -> Array:
+        """Standard deviations of the value, (3,) [m, m, rad]."""
+        return np.sqrt(np.diag(self.covariance))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fusion:
+    """What the observer made of one image."""
+
+    outcome: Outcome
+    innovation: Innovation | None = None  # of the likeliest hypothesis, once there is an estimate to compare with
+
+
+def likeliest(
+    offered: list[Measurement], pose: Array, covariance: Array, common: Array, gate: float
+) -> tuple[Innovation, Measurement]:
+    """Of the poses that one image leaves open the one with the smallest NIS + ln det S - 2 ln(weight).
+
+    `pose` (3,) and `covariance` (3, 3) are of the expected pose; S is the latter, plus the measurement's own, plus `common`.
+    """
+    scored = []
+    for measurement in offered:
+        S = covariance + measurement.covariance + common
+        value = difference(measurement.pose, pose)
+        nis = float(value @ np.linalg.solve(S, value))
+        score = nis + float(np.linalg.slogdet(S)[1]) - 2.0 * math.log(measurement.weight)
+        scored.append((score, Innovation(value=value, covariance=S, nis=nis, gate=gate), measurement))
+    _, innovation, best = min(scored, key=lambda entry: entry[0])
+    return innovation, best

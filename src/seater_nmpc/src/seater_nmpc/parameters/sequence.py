@@ -1,0 +1,69 @@
+"""Parameters of the docking sequence (`sequence:` in config/controller.yaml)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from seater_common.params import param
+
+
+@dataclass(frozen=True)
+class Timeouts:
+    """How long a phase may take [message time]."""
+
+    detect: float = param(10.0, "s", "waiting for the dock", low=0.1, high=600.0)
+    approach: float = param(40.0, "s", "approach", low=1.0, high=600.0)
+    final: float = param(60.0, "s", "final straight", low=1.0, high=600.0)
+    stopping: float = param(5.0, "s", "coming to rest", low=0.5, high=60.0)
+    verify: float = param(5.0, "s", "verification", low=0.5, high=60.0)
+    retry: float = param(40.0, "s", "backing out", low=1.0, high=600.0)
+    dock: float = param(150.0, "s", "whole docking, when the goal does not say", low=1.0, high=3600.0)
+    undock: float = param(40.0, "s", "whole undocking, when the goal does not say", low=1.0, high=3600.0)
+
+
+@dataclass(frozen=True)
+class SequenceParameters:
+    """The docking sequence."""
+
+    timeouts: Timeouts = field(default_factory=Timeouts)
+    max_start_distance: float = param(6.0, "m", "dock farther than this at the start is not valid", low=0.5, high=50.0)
+    max_retries: int = param(2, "", "times the chair backs out and tries again", low=0, high=20)
+    gate_distance: float = param(
+        0.10, "m", "how far before the bay the front is when the corridor decides on a retry", low=0.0, high=2.0
+    )
+    corridor_half_width: float = param(0.08, "m", "corridor at the gate: largest lateral error", low=0.005, high=1.0)
+    corridor_heading: float = param(0.15, "rad", "corridor at the gate: largest heading error", low=0.01, high=1.0)
+    corridor_slope: float = param(0.2, "", "how fast the corridor widens ahead of the gate", low=0.0, high=2.0)
+    corridor_heading_slope: float = param(
+        0.5, "rad/m", "how fast the allowed heading error grows there", low=0.0, high=3.0
+    )
+    hold_position: float = param(
+        0.003, "m", "distance from the dock at which the chair is stopped", low=0.0001, high=0.1
+    )
+    hold_heading: float = param(0.005, "rad", "the same for the heading error", low=0.0001, high=0.2)
+    release_position: float = param(
+        0.008, "m", "distance beyond which the stopped chair drives on", low=0.0002, high=0.2
+    )
+    release_heading: float = param(0.014, "rad", "the same for the heading error", low=0.0002, high=0.4)
+    settle_time: float = param(
+        1.5, "s", "time within the release zone after which it is stopped as well", low=0.1, high=30.0
+    )
+    stall_time: float = param(4.0, "s", "standing for so long on the final straight means a retry", low=0.5, high=60.0)
+    standing_speed: float = param(
+        0.01, "m/s, rad/s", "measured speed below which the chair stands", low=0.0005, high=0.1
+    )
+    standing_time: float = param(0.3, "s", "how long it must stand before verification", low=0.0, high=5.0)
+    verify_measurements: int = param(10, "", "fresh measurements averaged for verification", low=1, high=1000)
+    max_blind_distance: float = param(0.3, "m", "way driven by odometry alone before stopping", low=0.01, high=3.0)
+    max_blind_time: float = param(3.0, "s", "time driven by odometry alone before stopping", low=0.1, high=60.0)
+    odometry_timeout: float = param(0.3, "s", "age of the odometry at which it counts as lost", low=0.02, high=5.0)
+    obstacle_timeout: float = param(
+        0.0, "s", "how long a message with obstacles holds without a newer one; 0: for ever", low=0.0, high=3600.0
+    )
+    predock_position: float = param(
+        0.08, "m", "distance at which the predock point counts as reached", low=0.005, high=0.5
+    )
+    predock_heading: float = param(0.10, "rad", "the same for the heading error", low=0.005, high=0.5)
+    contact_wait: float = param(1.0, "s", "waiting for the contact before nudging, and after it", low=0.0, high=30.0)
+    nudge_distance: float = param(0.015, "m", "farthest nudge forward for the contact", low=0.0, high=0.1)
+    nudge_speed: float = param(0.02, "m/s", "speed of the nudge", low=0.001, high=0.1)

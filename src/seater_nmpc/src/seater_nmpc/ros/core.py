@@ -1,0 +1,76 @@
+"""The ROS-free core of the docking node, put together from its private parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import rospy
+
+from seater_common.geometry import Chair, Dock
+from seater_common.params import load
+from seater_nmpc.control.controller import DockingController
+from seater_nmpc.observe.observer import DockObserver
+from seater_nmpc.parameters import NmpcParameters
+from seater_nmpc.plan.navigator import Navigator
+from seater_nmpc.sequence.docking_sequence import DockingSequence
+from seater_nmpc.sequence.shadow import Shadow
+from seater_nmpc.sequence.vehicle import Vehicle
+
+
+@dataclass(frozen=True, kw_only=True)
+class Core:
+    """What the node is wired round."""
+
+    dock: Dock
+    parameters: NmpcParameters
+    vehicle: Vehicle
+    controller: DockingController
+    observer: DockObserver
+    sequence: DockingSequence
+    shadow: Shadow | None  # set in shadow mode
+
+
+def load_core(*, lock_step: bool) -> Core:
+    """From ~chair, ~dock, ~controller (the files in config/), ~shadow and ~require_contact; ready for the first cycle.
+
+    Raises:
+        ValueError: a parameter is missing, unknown, of the wrong type or out of range.
+    """
+    chair = load(Chair, rospy.get_param("~chair", None), rospy.resolve_name("~chair"))
+    dock = load(Dock, rospy.get_param("~dock", None), rospy.resolve_name("~dock"))
+    vehicle = Vehicle(chair, dock)
+    chair = vehicle.chair  # from here on it docks forward
+    parameters = load(NmpcParameters, rospy.get_param("~controller", None), rospy.resolve_name("~controller"))
+    shadow = flag("~shadow")
+    controller = DockingController(chair, dock, parameters.control, deterministic=lock_step)
+    observer = DockObserver(chair.camera, parameters.observer, standing=not shadow)
+    navigator = Navigator(chair, dock, parameters.control, parameters.planner)
+    sequence = DockingSequence(
+        chair,
+        dock,
+        controller,
+        observer,
+        parameters.sequence,
+        require_contact=flag("~require_contact"),
+        navigator=navigator,
+    )
+    controller.warm_up()  # so that the first cycle is not late
+    if not shadow:
+        navigator.prepare()
+    return Core(
+        dock=dock,
+        parameters=parameters,
+        vehicle=vehicle,
+        controller=controller,
+        observer=observer,
+        sequence=sequence,
+        shadow=Shadow(controller, observer, parameters.sequence.max_blind_time) if shadow else None,
+    )
+
+
+def flag(name: str) -> bool:
+    """A parameter that is true or false, false where it is not set. Raises ValueError."""
+    value = rospy.get_param(name, False)
+    if not isinstance(value, bool):
+        raise ValueError(f"{rospy.resolve_name(name)}: is {value!r}, must be true or false")
+    return value

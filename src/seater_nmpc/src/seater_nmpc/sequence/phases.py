@@ -1,0 +1,226 @@
+"""What the chair does in each phase of a goal, and when one phase gives way to another."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_common.geometry import Chair, Dock
+from seater_common.se2 import relative
+from seater_nmpc.control.command import Command
+from seater_nmpc.control.controller import DockingController, Target
+from seater_nmpc.observe.motion import MotionObserver
+from seater_nmpc.observe.observer import DockEstimate, DockObserver
+from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.parameters import SequenceParameters
+from seater_nmpc.plan.corridor import Corridor
+from seater_nmpc.plan.navigator import Navigator
+from seater_nmpc.sequence.deadlines import Deadlines
+from seater_nmpc.sequence.results import Phase, ResultCode
+from seater_nmpc.sequence.standstill import Standstill
+from seater_nmpc.sequence.verification import Verdict, Verification, within
+
+Array = NDArray[np.float64]
+
+STANDING = Command(v=0.0, omega=0.0)
+_MOVING = (Phase.APPROACH, Phase.FINAL, Phase.RETRY)
+_UNDOCKED_SPEED = 0.1  # [m/s] below which the chair near the predock point has arrived there
+_VERDICTS = {
+    Verdict.DOCKED: ResultCode.SUCCESS,
+    Verdict.UNSEEN: ResultCode.MARKER_LOST,
+    Verdict.NO_CONTACT: ResultCode.FAILED_TO_CHARGE,
+}
+
+
+class GoalEnd(Exception):  # noqa: N818 - not an error: how a phase hands its result up
+    """The goal ends with this result."""
+
+    def __init__(self, code: ResultCode, text: str) -> None:
+        self.code, self.text = code, text
+
+
+class Phases:
+    """The phases of one goal after another. `begin` a goal, then ask for one `command` per control cycle.
+
+    A phase that gives way to another one within a cycle hands over at once. The end of a goal is raised as GoalEnd.
+    """
+
+    def __init__(
+        self,
+        chair: Chair,
+        dock: Dock,
+        controller: DockingController,
+        observer: DockObserver,
+        motion: MotionObserver,
+        navigator: Navigator,
+        parameters: SequenceParameters,
+        *,
+        require_contact: bool,
+    ) -> None:
+        self._dock, self._controller, self._observer = dock, controller, observer
+        self._motion, self._navigator, self._parameters = motion, navigator, parameters
+        self._require_contact = require_contact
+        self._corridor = Corridor(chair, dock, parameters)
+        self._handlers: dict[Phase, Callable[[Instant], Command]] = {
+            Phase.WAITING_FOR_DOCK: self._wait,
+            Phase.APPROACH: self._approach,
+            Phase.FINAL: self._final,
+            Phase.STOPPING: self._stop,
+            Phase.VERIFY: self._verify,
+            Phase.RETRY: self._retry,
+            Phase.UNDOCKING: self._undock,
+        }
+        self.contact: bool | None = None  # the charging contact, None: not known
+        self.begin(0.0, Phase.WAITING_FOR_DOCK, 0.0)
+
+    def begin(self, now: float, phase: Phase, timeout: float) -> None:
+        """A goal begins at message time `now` [s] with this phase; it may take `timeout` [s]."""
+        self.now, self.retries = now, 0
+        self.deadlines = Deadlines(self._parameters.timeouts, now, timeout)
+        self.error: Array | None = None  # (3,) the chair in the dock's frame, once known
+        self.T_odom_dock: Array | None = None
+        self._controller.history.clear()  # whoever drove until now did not say
+        self._enter(phase)
+
+    def command(self, chair: Instant) -> Command:
+        """What the present phase asks for. Raises GoalEnd."""
+        return self._handlers[self.phase](chair)
+
+    def blind(self, estimate: DockEstimate) -> bool:
+        """Whether the dock was seen too long ago, in time or way driven, to move towards it."""
+        p = self._parameters
+        return estimate.blind_distance > p.max_blind_distance or estimate.age > p.max_blind_time
+
+    def _enter(self, phase: Phase) -> None:
+        self.phase = phase
+        self.deadlines.enter(self.now)
+        self._standstill = Standstill(self._parameters, self.now)
+        self._verification: Verification | None = None
+        self._navigator.restart()
+        if phase in (Phase.WAITING_FOR_DOCK, Phase.STOPPING, Phase.VERIFY, Phase.UNDOCKING):
+            self._controller.reset()
+
+    def _look(self, chair: Instant) -> Array:
+        """The chair in the dock's frame (3,), after making sure that the dock is known well enough to move."""
+        estimate = self._observer.estimate(chair.stamp)
+        if estimate is None:
+            raise GoalEnd(ResultCode.MARKER_LOST, "the dock is not known")
+        if self.phase in _MOVING and self.blind(estimate):
+            how = f"{estimate.blind_distance:.2f} m and {estimate.age:.1f} s"
+            raise GoalEnd(ResultCode.MARKER_LOST, f"no marker seen for {how}")
+        self.T_odom_dock = estimate.pose
+        self.error = relative(estimate.pose, chair.pose)
+        return self.error
+
+    def _drive(self, chair: Instant, target: Target) -> Command:
+        assert self.T_odom_dock is not None  # every caller has looked
+        motion = self._motion.at(chair.stamp)
+        command = self._controller.command(chair.pose, motion, self.T_odom_dock, target, chair.stamp)
+        failures = self._controller.counters.consecutive_failures
+        if failures >= self._controller.parameters.fallback.max_consecutive:
+            raise GoalEnd(ResultCode.FAILED_TO_CONTROL, f"{failures} cycles without a solution: {command.text}")
+        return command
+
+    def _wait(self, chair: Instant) -> Command:
+        estimate = self._observer.estimate(chair.stamp)
+        if estimate is None or self.blind(estimate):
+            return STANDING
+        error = self._look(chair)
+        if math.hypot(error[0], error[1]) > self._parameters.max_start_distance:
+            raise GoalEnd(ResultCode.DOCK_NOT_VALID, f"the dock is {math.hypot(error[0], error[1]):.1f} m away")
+        if within(error, self._dock.tolerance) and (self.contact or not self._require_contact):
+            raise GoalEnd(ResultCode.ALREADY_DOCKED, "already docked")
+        self._enter(Phase.FINAL if self._way_in(error) else Phase.APPROACH)
+        return self._handlers[self.phase](chair)
+
+    def _approach(self, chair: Instant) -> Command:
+        error = self._look(chair)
+        if self._way_in(error) or (self._at_predock(error, chair) and self._navigator.straight_way_clear(error)):
+            self._enter(Phase.FINAL)
+            return self._final(chair)
+        return self._go(chair, error)
+
+    def _go(self, chair: Instant, error: Array) -> Command:
+        """Along the planned way; where none is found, straight for the predock point unless the bay is blocked."""
+        target = self._navigator.target(error)
+        if target is not None:
+            return self._drive(chair, target)
+        if self._navigator.blocked():
+            self._controller.reset()
+            return replace(STANDING, text="obstacles leave no way into the bay")
+        return self._drive(chair, "predock")
+
+    def _way_in(self, error: Array) -> bool:
+        """Whether the rest is a matter of driving straight in."""
+        self._navigator.see(self._controller.obstacles)
+        return self._corridor.contains(error) and self._navigator.straight_way_clear(error)
+
+    def _final(self, chair: Instant) -> Command:
+        error = self._look(chair)
+        if self._corridor.missed(error):
+            return self._try_again(chair, ResultCode.FAILED_TO_STAGE, "outside the corridor at the bay")
+        if self._standstill.at_rest_in_place(chair, error):
+            self._enter(Phase.STOPPING)
+            return STANDING
+        if self._standstill.stalled(chair):
+            return self._try_again(chair, ResultCode.NOT_WITHIN_TOLERANCE, "stands short of the dock")
+        return self._drive(chair, "dock")
+
+    def _stop(self, chair: Instant) -> Command:
+        if self._standstill.released(self._look(chair)):
+            self._enter(Phase.FINAL)
+            return self._drive(chair, "dock")
+        if self._standstill.has_stood(chair):
+            self._enter(Phase.VERIFY)
+        return STANDING
+
+    def _verify(self, chair: Instant) -> Command:
+        self._look(chair)
+        if self._verification is None:
+            self._verification = Verification(self._dock, self._parameters, self._require_contact, chair.stamp)
+        v, verdict = self._verification.update(chair.stamp, chair, self._observer, self.contact)
+        if self._verification.error is not None:
+            self.error = self._verification.error
+        if verdict is Verdict.PENDING:
+            return Command(v=v, omega=0.0)
+        if verdict is Verdict.OUTSIDE:
+            return self._try_again(chair, ResultCode.NOT_WITHIN_TOLERANCE, verdict.value)
+        raise GoalEnd(_VERDICTS[verdict], verdict.value)
+
+    def _retry(self, chair: Instant) -> Command:
+        error = self._look(chair)
+        if self._at_predock(error, chair):
+            self._enter(Phase.FINAL if self._way_in(error) else Phase.APPROACH)
+            return self._handlers[self.phase](chair)
+        return self._drive(chair, "predock")
+
+    def _undock(self, chair: Instant) -> Command:
+        if self.T_odom_dock is None:
+            estimate = self._observer.estimate(chair.stamp)
+            known = estimate is not None and not self.blind(estimate)
+            self.T_odom_dock = estimate.pose if estimate is not None and known else chair.pose
+        self.error = relative(self.T_odom_dock, chair.pose)
+        to_go = self.error - [self._dock.predock_x, 0.0, 0.0]
+        p = self._parameters
+        arrived = to_go[0] <= 0.0 or math.hypot(to_go[0], to_go[1]) <= p.predock_position
+        if arrived and abs(chair.v) <= _UNDOCKED_SPEED:
+            if self._standstill.has_stood(chair):
+                raise GoalEnd(ResultCode.SUCCESS, "undocked")
+            return STANDING
+        return self._drive(chair, "predock")
+
+    def _try_again(self, chair: Instant, code: ResultCode, why: str) -> Command:
+        if self.retries >= self._parameters.max_retries:
+            raise GoalEnd(code, f"{why}, after {self.retries} retries")
+        self.retries += 1
+        self._enter(Phase.RETRY)
+        return self._retry(chair)
+
+    def _at_predock(self, error: Array, chair: Instant) -> bool:
+        p = self._parameters
+        near = math.hypot(error[0] - self._dock.predock_x, error[1]) <= p.predock_position
+        return near and abs(error[2]) <= p.predock_heading and abs(chair.v) <= _UNDOCKED_SPEED
