@@ -26,7 +26,7 @@ from typing import Any
 import yaml
 
 from seater_common.geometry import Chair, Dock
-from seater_eval.perception.degraded_camera import RANGES
+from seater_eval.perception.images.degraded_camera import RANGES
 from seater_nmpc.parameters import NmpcParameters
 from seater_sim.settings import SimulatorSettings
 

@@ -60,9 +60,9 @@ class BadImages(unittest.TestCase):
     def tearDown(self) -> None:
         if self.subscriber is not None:
             self.subscriber.unregister()
+        self.wait(lambda: not (self.images.get_num_connections() or self.infos.get_num_connections()))
         self.images.unregister()
         self.infos.unregister()
-        time.sleep(0.5)
 
     def listen(self) -> None:
         self.subscriber = rospy.Subscriber("detections", MarkerDetectionArray, self.on_detections, queue_size=10)

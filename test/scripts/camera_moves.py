@@ -7,6 +7,8 @@ import sys
 import threading
 import time
 import unittest
+from collections.abc import Callable
+from typing import ClassVar
 
 import cv2
 import numpy as np
@@ -53,13 +55,16 @@ def transform(parent: str, child: str, stamp: rospy.Time, heading: float = 0.0) 
 
 
 class CameraMoves(unittest.TestCase):
+    answers = 0  # of the nodelet, since it started
+    diagnostics: ClassVar[dict[str, str]] = {}  # the last ones
+
     @classmethod
     def setUpClass(cls) -> None:
         rospy.init_node("camera_moves")
+        rospy.Subscriber("/diagnostics", DiagnosticArray, cls.on_diagnostics, queue_size=10)
 
     def setUp(self) -> None:
         self.received: list[MarkerDetectionArray] = []
-        self.values: dict[str, str] = {}
         self.arrived = threading.Condition()
         self.odometry, self.mount = tf2_ros.TransformBroadcaster(), tf2_ros.StaticTransformBroadcaster()
         optical = transform("base_link", OPTICAL, rospy.Time(0))
@@ -68,36 +73,41 @@ class CameraMoves(unittest.TestCase):
         self.mount.sendTransform(optical)
         self.images = rospy.Publisher("camera/color/image_raw", Image, queue_size=10)
         self.infos = rospy.Publisher("camera/color/camera_info", CameraInfo, queue_size=10)
-        rospy.Subscriber("/diagnostics", DiagnosticArray, self.on_diagnostics, queue_size=10)
         self.subscriber = rospy.Subscriber("detections", MarkerDetectionArray, self.on_detections, queue_size=10)
-        end = time.monotonic() + 20.0
-        while not (self.images.get_num_connections() and self.infos.get_num_connections()):
-            self.assertLess(time.monotonic(), end, "the detector does not listen")
-            time.sleep(0.02)
-        time.sleep(0.5)
+        publishers = (self.images, self.infos, self.odometry.pub_tf, self.mount.pub_tf)
+        ends = (*publishers, self.subscriber)
+        self.wait(lambda: all(end.get_num_connections() > 0 for end in ends), "the detector does not listen")
 
     def tearDown(self) -> None:
-        for topic in (self.subscriber, self.images, self.infos):
-            topic.unregister()
-        time.sleep(0.5)
+        self.subscriber.unregister()
+        ends = (self.images, self.infos)
+        self.wait(lambda: not any(end.get_num_connections() for end in ends), "the detector still listens")
+        for end in ends:
+            end.unregister()
+
+    def wait(self, condition: Callable[[], bool], otherwise: str) -> None:
+        end = time.monotonic() + 20.0
+        while not condition():
+            self.assertLess(time.monotonic(), end, otherwise)
+            time.sleep(0.02)
 
     def on_detections(self, message: MarkerDetectionArray) -> None:
         with self.arrived:
             self.received.append(message)
             self.arrived.notify_all()
 
-    def on_diagnostics(self, message: DiagnosticArray) -> None:
+    @classmethod
+    def on_diagnostics(cls, message: DiagnosticArray) -> None:
         for status in message.status:
             if "marker detection" in status.name:
-                self.values = {v.key: v.value for v in status.values}
+                cls.diagnostics = {v.key: v.value for v in status.values}
 
     def counted(self, key: str) -> int:
-        """A count since the start, as the next diagnostics but one give it."""
-        for _ in range(2):
-            self.values = {}
-            while not self.values:
-                time.sleep(0.02)
-        return int(self.values[key])
+        """A count since the start, of diagnostics that know of every answer so far."""
+        counts = CameraMoves
+        known = "images since start"
+        self.wait(lambda: int(counts.diagnostics.get(known, -1)) >= counts.answers, f"too few {known}")
+        return int(counts.diagnostics[key])
 
     def find(self, image: np.ndarray, stamp: rospy.Time) -> MarkerDetectionArray:
         """The answer to an image; at most a second may pass."""
@@ -113,6 +123,7 @@ class CameraMoves(unittest.TestCase):
         with self.arrived:
             self.assertTrue(self.arrived.wait_for(lambda: bool(self.received), timeout=5.0), "no answer")
             answer = self.received.pop()
+        CameraMoves.answers += 1
         self.assertEqual(answer.header.stamp, stamp)
         self.assertLess(answer.processing_time, 1.0)
         return answer

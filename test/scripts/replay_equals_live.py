@@ -19,6 +19,8 @@ from seater_eval.ros.launch_process import LaunchProcess
 # rounding of the CSV's way through odometry.
 LARGEST_DIFFERENCE = 1e-9
 
+START, OBSTACLE = "-1.0 0.05 0", "-1.2 1.0 0.3"  # near, so that few images say all; a box beside the way
+
 
 class ReplayEqualsLive(unittest.TestCase):
     def test_replay(self) -> None:
@@ -35,20 +37,10 @@ class ReplayEqualsLive(unittest.TestCase):
             self.assert_shadow_controller_ran(results / "fast")
 
     def record(self, results: Path) -> Path:
-        command = [
-            "rosrun",
-            "seater_eval",
-            "dock_run",
-            "--start",
-            "-1.7 0.1 0",
-            "--obstacle",
-            "-1.2 1.0 0.3",
-            "--images",
-            "raw",
-            "--results",
-            str(results),
-        ]
-        run = subprocess.run(command, capture_output=True, text=True, timeout=500)
+        command = ["rosrun", "seater_eval", "dock_run", "--images", "raw", "--results", str(results)]
+        run = subprocess.run(
+            [*command, "--start", START, "--obstacle", OBSTACLE], capture_output=True, text=True, timeout=500
+        )
         self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
         return results / "run.bag"
 

@@ -11,12 +11,12 @@ from seater_common.params import ParameterError
 from seater_eval.perception import subject
 from seater_eval.perception.accuracy import accuracy_bars
 from seater_eval.perception.accuracy_cells import bound_entry, nees_entry, table_bounds
-from seater_eval.perception.degraded_camera import load_degraded_camera
-from seater_eval.perception.negatives import KINDS, OTHER_IDS, negative
+from seater_eval.perception.images.degraded_camera import load_degraded_camera
+from seater_eval.perception.images.negatives import KINDS, OTHER_IDS, negative
+from seater_eval.perception.images.render import Print, clean_image, corners_of, exposed
+from seater_eval.perception.images.scenes import facing, normal_error, normalised_error_squared, pose_error, upright
 from seater_eval.perception.peers import PEERS, dictionary_of, make_peer
 from seater_eval.perception.range import PAPER, range_bars
-from seater_eval.perception.render import Print, clean_image, corners_of, exposed
-from seater_eval.perception.scenes import facing, normal_error, normalised_error_squared, pose_error, upright
 from seater_eval.perception.shadows import ShadowJob, shadow_bars, shadow_image
 from seater_eval.perception.speed import speed_bars
 from seater_eval.run.parallel import job_seed

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from seater_common.params import ParameterError
-from seater_eval.perception.bound import cramer_rao
-from seater_eval.perception.degraded_camera import DegradedCamera, load_degraded_camera
-from seater_eval.perception.render import Print, box_of, clean_image, corners_of, exposed, moved, white_share
+from seater_eval.perception.images.bound import cramer_rao
+from seater_eval.perception.images.degraded_camera import DegradedCamera, load_degraded_camera
+from seater_eval.perception.images.render import Print, box_of, clean_image, corners_of, exposed, moved, white_share
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 CAMERA = DegradedCamera(640, 480, 600.0, 1.0, 3.0, 40.0, 215.0, 150.0, 1.0)

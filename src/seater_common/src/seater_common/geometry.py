@@ -231,19 +231,25 @@ def polygon_distance(a: ArrayLike, b: ArrayLike) -> float:
 
 def _axis_separation(a: Array, b: Array) -> float:
     """Largest distance of b behind an edge of a, over the edges of a [m]; shapes (n, 2) and (m, 2)."""
-    edges = np.roll(a, -1, axis=0) - a
-    normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.linalg.norm(edges, axis=1)[:, None]
-    distances = normals @ b.T - np.sum(normals * a, axis=1)[:, None]
-    return float(np.max(np.min(distances, axis=1)))
+    edges = _following(a) - a
+    normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.sqrt((edges * edges).sum(axis=1))[:, None]
+    distances = normals @ b.T - (normals * a).sum(axis=1)[:, None]
+    return float(distances.min(axis=1).max())
 
 
 def _vertex_distance(points: Array, polygon: Array) -> float:
     """Smallest distance of the points (n, 2) from the polygon's edges (m, 2) [m]."""
     start = polygon[None, :, :]
-    edge = np.roll(polygon, -1, axis=0)[None, :, :] - start
+    edge = _following(polygon)[None, :, :] - start
     to_point = points[:, None, :] - start
-    along = np.clip(np.sum(to_point * edge, axis=2) / np.sum(edge * edge, axis=2), 0.0, 1.0)
-    return float(np.min(np.linalg.norm(to_point - along[:, :, None] * edge, axis=2)))
+    along = (to_point * edge).sum(axis=2) / (edge * edge).sum(axis=2)
+    off = to_point - np.minimum(np.maximum(along, 0.0), 1.0)[:, :, None] * edge
+    return float(np.sqrt((off * off).sum(axis=2).min()))
+
+
+def _following(polygon: Array) -> Array:
+    """For each corner the next one; shape (n, 2)."""
+    return np.concatenate([polygon[1:], polygon[:1]])
 
 
 def clearance(chair: Chair, bay: Bay, T_dock_base: ArrayLike) -> float:

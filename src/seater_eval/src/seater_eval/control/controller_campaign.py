@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from seater_common.geometry import Chair, Dock, clearance, polygon_distance
+from seater_common.se2 import wrap_angle
 from seater_eval.baselines.bay_speed import SlowInBay
 from seater_eval.baselines.closed_loop import run_perfect
 from seater_eval.baselines.interface import PoseController
@@ -76,9 +77,24 @@ def _feedback(setup: Setup, law: PoseController, case: Case) -> dict[str, Any]:
     """A feedback law with a perfect chair and perfect state, slowed down in the bay, whose walls it does not know."""
     run = run_perfect(SlowInBay(law, setup.chair, setup.dock), setup.chair.limits, case.start, 40.0)
     obstacles = [np.array(outline).reshape(-1, 2) for outline in case.obstacles]
-    nearest = min(_clearance(setup.chair, setup.dock, pose, obstacles) for pose in run.poses[::2])
+    nearest = _smallest_clearance(setup.chair, setup.dock, run.poses[::2], obstacles)
     time = run.docking_time(setup.dock.tolerance)
     return {"docking_time_s": time, "min_clearance_m": nearest, "docked": time is not None and nearest > 0.0}
+
+
+def _smallest_clearance(chair: Chair, dock: Dock, poses: Array, obstacles: list[Array]) -> float:
+    """Over the poses (n, 3) of a way [m]. A pose is skipped when the chair cannot have come nearer than the smallest so far:
+    no point of it moves farther than the axle's way plus the turn times its distance from there."""
+    reach = float(np.max(np.linalg.norm(chair.corners(), axis=1)))
+    smallest, at_least = math.inf, -math.inf
+    before = poses[0]
+    for pose in poses:
+        at_least -= math.hypot(*(pose[:2] - before[:2])) + abs(wrap_angle(pose[2] - before[2])) * reach
+        before = pose
+        if at_least < smallest:
+            at_least = _clearance(chair, dock, pose, obstacles)
+            smallest = min(smallest, at_least)
+    return smallest
 
 
 def _clearance(chair: Chair, dock: Dock, pose: Array, obstacles: list[Array]) -> float:

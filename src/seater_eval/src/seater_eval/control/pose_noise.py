@@ -40,8 +40,8 @@ class DockSensor:
         self._noise = noise or NoiseModel()
         self._width, self._height, self._K = camera.width, camera.height, camera.P[:, :3]
         self._T_optical_base = np.linalg.inv(chair.camera.T_base_optical())
-        self._markers = [_corners_in_dock(marker) for marker in dock.markers]
-        self._normals = [marker.T_dock_marker()[:3, 2] for marker in dock.markers]
+        self._corners = np.concatenate([_corners_in_dock(marker) for marker in dock.markers])  # (4 n, 3), in the dock
+        self._normals = np.array([marker.T_dock_marker()[:3, 2] for marker in dock.markers])
 
     def T_optical_dock(self, T_dock_base: ArrayLike) -> Array:
         """4x4 pose of the dock in the camera's optical frame."""
@@ -49,18 +49,16 @@ class DockSensor:
 
     def in_view(self, T_dock_base: ArrayLike) -> list[int]:
         """Markers that are wholly in the image, however far away."""
-        T = self.T_optical_dock(T_dock_base)
-        return [i for i in range(len(self._markers)) if self._side(T, i) is not None]
+        return np.flatnonzero(self._sides(self.T_optical_dock(T_dock_base)) > 0.0).tolist()
 
     def visible(self, T_dock_base: ArrayLike) -> list[int]:
         """Markers that are in the image and large enough to be found."""
-        T = self.T_optical_dock(T_dock_base)
-        sides = {i: self._side(T, i) for i in range(len(self._markers))}
-        return [i for i, side in sides.items() if side is not None and side >= self._noise.min_side]
+        return self._visible(self.T_optical_dock(T_dock_base))
 
     def measure(self, T_dock_base: ArrayLike, rng: np.random.Generator) -> list[Hypothesis]:
         """The hypotheses of one image taken at this pose; empty when no marker is found."""
-        T, seen = self.T_optical_dock(T_dock_base), self.visible(T_dock_base)
+        T = self.T_optical_dock(T_dock_base)
+        seen = self._visible(T)
         noise = rng.standard_normal(6)  # drawn always, so that what is seen once does not change what follows
         if not seen:
             return []
@@ -70,11 +68,11 @@ class DockSensor:
 
     def covariance(self, T: Array, markers: list[int]) -> Array:
         """6x6: x, y, z [m], rotation about x, y, z of the optical frame [rad] round the dock's origin."""
-        points = np.concatenate([self._markers[i] for i in markers])
-        rows = []
-        for at, arm in zip(_transform(T, points), points @ T[:3, :3].T, strict=True):
-            rows.append(_projection_jacobian(self._K, at) @ np.hstack([np.eye(3), -_cross(arm)]))
-        J = np.concatenate(rows) / self._noise.corner_sigma
+        points = self._corners.reshape(-1, 4, 3)[markers].reshape(-1, 3)
+        motion = np.concatenate(
+            [np.broadcast_to(np.eye(3), (len(points), 3, 3)), -_cross(points @ T[:3, :3].T)], axis=2
+        )
+        J = (_projection_jacobian(self._K, _transform(T, points)) @ motion).reshape(-1, 6) / self._noise.corner_sigma
         upright = T[:3, 2]  # the dock's vertical in the optical frame: turning about it is free
         tilt = (np.eye(3) - np.outer(upright, upright)) / self._noise.tilt_sigma**2
         information = J.T @ J
@@ -82,17 +80,22 @@ class DockSensor:
         covariance = np.linalg.inv(information)
         return np.asarray(0.5 * (covariance + covariance.T))
 
-    def _side(self, T: Array, marker: int) -> float | None:
-        """Mean side in the image [px]; None when a corner is outside or the print is seen from behind."""
-        points = _transform(T, self._markers[marker])
-        if np.any(points[:, 2] < 0.05) or float((T[:3, :3] @ self._normals[marker]) @ points.mean(axis=0)) >= 0.0:
-            return None
-        pixels = (points / points[:, 2:]) @ self._K.T
-        u, v, border = pixels[:, 0], pixels[:, 1], self._noise.border
-        inside = (u >= border) & (u <= self._width - 1 - border) & (v >= border) & (v <= self._height - 1 - border)
-        if not np.all(inside):
-            return None
-        return float(np.mean(np.hypot(*(np.roll(pixels, -1, axis=0) - pixels)[:, :2].T)))
+    def _visible(self, T: Array) -> list[int]:
+        return np.flatnonzero(self._sides(T) >= self._noise.min_side).tolist()
+
+    def _sides(self, T: Array) -> Array:
+        """Mean side of each marker in the image [px]; 0 when a corner is outside or the print is seen from behind."""
+        points = _transform(T, self._corners).reshape(-1, 4, 3)
+        faces_us = np.einsum("ni,ni->n", self._normals @ T[:3, :3].T, points.mean(axis=1)) < 0.0
+        candidates = np.flatnonzero(faces_us & np.all(points[:, :, 2] >= 0.05, axis=1))
+        pixels = (points[candidates] / points[candidates, :, 2:]) @ self._K.T
+        border = self._noise.border
+        low, high = border, [self._width - 1 - border, self._height - 1 - border]
+        inside = np.all((pixels[:, :, :2] >= low) & (pixels[:, :, :2] <= high), axis=(1, 2))
+        edges = pixels[:, [1, 2, 3, 0], :2] - pixels[:, :, :2]
+        sides = np.zeros(len(points))
+        sides[candidates] = np.where(inside, np.hypot(edges[:, :, 0], edges[:, :, 1]).mean(axis=1), 0.0)
+        return sides
 
 
 def _corners_in_dock(marker: Marker) -> Array:
@@ -104,13 +107,21 @@ def _transform(T: Array, points: Array) -> Array:
     return points @ T[:3, :3].T + T[:3, 3]
 
 
-def _projection_jacobian(K: Array, point: Array) -> Array:
-    x, y, z = point
-    return np.array([[K[0, 0] / z, 0.0, -K[0, 0] * x / z**2], [0.0, K[1, 1] / z, -K[1, 1] * y / z**2]])
+def _projection_jacobian(K: Array, points: Array) -> Array:
+    """(n, 2, 3): the derivative of the pixels with respect to points (n, 3) in the optical frame."""
+    x, y, z = points.T
+    z_squared = np.float_power(z, 2)
+    J = np.zeros((len(points), 2, 3))
+    J[:, 0, 0], J[:, 0, 2] = K[0, 0] / z, -K[0, 0] * x / z_squared
+    J[:, 1, 1], J[:, 1, 2] = K[1, 1] / z, -K[1, 1] * y / z_squared
+    return J
 
 
 def _cross(a: Array) -> Array:
-    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
+    """Skew matrices (..., 3, 3) of vectors (..., 3): [a] b = a x b."""
+    skew = np.zeros((*a.shape, 3))
+    skew[..., 0, 1], skew[..., 0, 2], skew[..., 1, 2] = -a[..., 2], a[..., 1], -a[..., 0]
+    return skew - np.swapaxes(skew, -1, -2)
 
 
 def _moved(T: Array, error: Array) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 
 from seater_eval.perception import subject
 from seater_eval.perception.accuracy_cells import BranchJob, CellJob, count_wrong_branches, run_cell, table_bounds
-from seater_eval.perception.degraded_camera import load_degraded_camera
+from seater_eval.perception.images.degraded_camera import load_degraded_camera
 from seater_eval.perception.peers import LABELS
 from seater_eval.perception.published import published_images
 from seater_eval.report.bars import Bar

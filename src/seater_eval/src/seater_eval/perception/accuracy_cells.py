@@ -11,17 +11,17 @@ import numpy as np
 from scipy.stats import chi2
 
 from seater_eval.perception import subject
-from seater_eval.perception.bound import cramer_rao, unknowns
-from seater_eval.perception.degraded_camera import load_degraded_camera
-from seater_eval.perception.peers import Detector, Seen, best_of_ippe, dictionary_of, make_peer
-from seater_eval.perception.render import Print, box_of, clean_image, exposed
-from seater_eval.perception.scenes import (
+from seater_eval.perception.images.bound import cramer_rao, unknowns
+from seater_eval.perception.images.degraded_camera import load_degraded_camera
+from seater_eval.perception.images.render import Print, box_of, clean_image, exposed
+from seater_eval.perception.images.scenes import (
     WRONG_BRANCH,
     normal_error,
     normalised_error_squared,
     pose_error,
     upright,
 )
+from seater_eval.perception.peers import Detector, Seen, best_of_ippe, dictionary_of, make_peer
 from seater_eval.report.statistics import spread
 from seater_eval.run.parallel import job_seed
 

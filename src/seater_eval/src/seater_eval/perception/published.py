@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_eval.perception import subject
-from seater_eval.perception.degraded_camera import DegradedCamera
+from seater_eval.perception.images.degraded_camera import DegradedCamera
 from seater_eval.perception.peers import make_peer
 
 FOLDER = Path("/usr/share/visp-images-data/ViSP-images/AprilTag/benchmark/640x480")

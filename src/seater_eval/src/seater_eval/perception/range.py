@@ -13,11 +13,11 @@ import cv2
 import numpy as np
 
 from seater_eval.perception import subject
-from seater_eval.perception.degraded_camera import DegradedCamera, load_degraded_camera
-from seater_eval.perception.negatives import KINDS, OTHER_IDS, negative
+from seater_eval.perception.images.degraded_camera import DegradedCamera, load_degraded_camera
+from seater_eval.perception.images.negatives import KINDS, OTHER_IDS, negative
+from seater_eval.perception.images.render import Image, Print, clean_image, exposed
+from seater_eval.perception.images.scenes import facing
 from seater_eval.perception.peers import LABELS, Detector, dictionary_of, make_peer
-from seater_eval.perception.render import Image, Print, clean_image, exposed
-from seater_eval.perception.scenes import facing
 from seater_eval.report.bars import Bar
 from seater_eval.report.evaluation_style import figure, save
 from seater_eval.report.tables import text_table

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from seater_eval.perception import subject
-from seater_eval.perception.degraded_camera import DegradedCamera, load_degraded_camera
+from seater_eval.perception.images.degraded_camera import DegradedCamera, load_degraded_camera
+from seater_eval.perception.images.render import Image, Print, clean_image, corners_of, exposed
+from seater_eval.perception.images.scenes import normalised_error_squared, pose_error, upright
 from seater_eval.perception.peers import make_peer
-from seater_eval.perception.render import Image, Print, clean_image, corners_of, exposed
-from seater_eval.perception.scenes import normalised_error_squared, pose_error, upright
 from seater_eval.report.bars import Bar
 from seater_eval.report.evaluation_style import figure, save
 from seater_eval.report.statistics import spread

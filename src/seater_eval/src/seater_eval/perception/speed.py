@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_eval.perception import subject
-from seater_eval.perception.degraded_camera import DegradedCamera, load_degraded_camera
+from seater_eval.perception.images.degraded_camera import DegradedCamera, load_degraded_camera
+from seater_eval.perception.images.render import Print, clean_image, exposed
+from seater_eval.perception.images.scenes import facing
 from seater_eval.perception.peers import LABELS, Detector, dictionary_of, make_peer
-from seater_eval.perception.render import Print, clean_image, exposed
-from seater_eval.perception.scenes import facing
 from seater_eval.report.bars import Bar
 from seater_eval.report.evaluation_style import figure, save
 from seater_eval.report.statistics import spread

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import seater_perception as sp
 from seater_common.params import ParameterError
-from seater_eval.perception.degraded_camera import DegradedCamera
+from seater_eval.perception.images.degraded_camera import DegradedCamera
 from seater_eval.perception.peers import Detector, Seen
 
 DICTIONARY = "DICT_4X4_50"

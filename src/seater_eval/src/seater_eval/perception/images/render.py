@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
 from seater_common.marker_family import marker_family
-from seater_eval.perception.degraded_camera import DegradedCamera
+from seater_eval.perception.images.degraded_camera import DegradedCamera
 
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8]

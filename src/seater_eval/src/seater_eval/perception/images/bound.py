@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_eval.perception.degraded_camera import DegradedCamera
-from seater_eval.perception.render import Print, box_of, moved, white_share
+from seater_eval.perception.images.degraded_camera import DegradedCamera
+from seater_eval.perception.images.render import Print, box_of, moved, white_share
 
 Array = NDArray[np.float64]
 QUANTISATION_VARIANCE = 1.0 / 12.0  # of rounding to whole grey levels
