@@ -2,9 +2,9 @@
 """Draw docs/images/architecture.svg from test/structure/rooms.yaml: the rooms, their arrows, and the way of one image.
 
 Run it in the project's environment: `./seater run python3 tools/draw_architecture.py`. The rooms and what each uses come from
-the file that test/structure compares with the code, so the picture stays true. A room stands above all rooms that it uses; an
+the file that test/structure compares with the code, so the figure stays true. A room stands above all rooms that it uses; an
 arrow that follows from others is left out.
-With --check nothing is drawn: exit status 1 when the picture shows other rooms or arrows than the file, or the way leads
+With --check nothing is drawn: exit status 1 when the figure shows other rooms or arrows than the file, or the way leads
 through a room that is not there.
 """
 
@@ -26,7 +26,7 @@ from matplotlib.path import Path as Path2D
 
 ROOT = Path(__file__).resolve().parent.parent
 ROOMS = ROOT / "test" / "structure" / "rooms.yaml"
-PICTURE = ROOT / "docs" / "images" / "architecture.svg"
+OUTPUT = ROOT / "docs" / "images" / "architecture.svg"
 
 WALL, ROOM, INK, ARROW, WAY = "#f3f1ec", "#ffffff", "#222222", "#9a9a9a", "#d9541e"
 ROW, HEIGHT, WIDEST = 1.0, 0.62, 3.1  # of a room, in units of the drawing
@@ -64,7 +64,7 @@ Places = dict[str, Place]
 
 @dataclass(frozen=True)
 class House:
-    """A package and its place in the picture (left upper corner, width)."""
+    """A package and its place in the figure (left upper corner, width)."""
 
     package: str
     text: str
@@ -144,7 +144,7 @@ def places(house: House, arrows: Arrows) -> Places:
 
 
 def identity(package: str, room: str, used: str = "") -> str:
-    """The name that a room or an arrow bears in the picture's source."""
+    """The name that a room or an arrow bears in the figure's source."""
     return f"{package}:{room}" + (f">{used}" if used else "")
 
 
@@ -235,7 +235,7 @@ def draw_surroundings(axes: Axes, perception: Place, docking: Place, sim: Place)
     draw_number(axes, 15, (0.5 * (gate.left[0] + motors.right[0]), gate.y))
 
 
-def draw(packages: dict[str, Arrows], picture: Path) -> None:
+def draw(packages: dict[str, Arrows], output: Path) -> None:
     matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "seater", "font.family": "sans-serif"})
     figure, axes = plt.subplots(figsize=(13.0, 13.0))
     rooms = {house.package: draw_house(axes, house, packages[house.package]) for house in HOUSES}
@@ -247,23 +247,21 @@ def draw(packages: dict[str, Arrows], picture: Path) -> None:
     axes.set_aspect("equal")
     axes.autoscale_view()
     axes.axis("off")
-    figure.savefig(picture, bbox_inches="tight", metadata={"Date": None} if picture.suffix == ".svg" else None, dpi=90)
+    figure.savefig(output, bbox_inches="tight", metadata={"Date": None} if output.suffix == ".svg" else None, dpi=90)
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--check", action="store_true", help="draw nothing; exit with 1 when the picture is not true")
+    parser.add_argument("--check", action="store_true", help="draw nothing; exit with 1 when the figure is not true")
     parser.add_argument("--rooms", type=Path, default=ROOMS, help="the file with the rooms (test/structure/rooms.yaml)")
-    parser.add_argument(
-        "--picture", type=Path, default=PICTURE, help="the file that is drawn (.svg, or .png to look at)"
-    )
+    parser.add_argument("--output", type=Path, default=OUTPUT, help="the file that is drawn (.svg, or .png to look at)")
     options = parser.parse_args()
     loaded = yaml.safe_load(options.rooms.read_text())
     packages = {name: {room: set(uses or []) for room, uses in rooms.items()} for name, rooms in loaded.items()}
     if not options.check:
-        draw(packages, options.picture)
+        draw(packages, options.output)
         return 0
-    source = options.picture.read_text().replace("&gt;", ">")
+    source = options.output.read_text().replace("&gt;", ">")
     shown = set(re.findall(r'<g id="(seater_\w+:[^"]+)"', source))
     for name in sorted(expected(packages) ^ shown):
         print(f"{'missing' if name not in shown else 'not there any more'}: {name}")

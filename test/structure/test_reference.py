@@ -27,7 +27,7 @@ def test_parameters_are_those_of_the_structs() -> None:
 
 
 @pytest.mark.skipif(not ROOMS.exists(), reason="test/structure/rooms.yaml is not there: nothing to compare with")
-def test_the_picture_shows_the_rooms_and_arrows_of_today() -> None:
+def test_the_figure_shows_the_rooms_and_arrows_of_today() -> None:
     words = [sys.executable, str(ROOT / "tools" / "draw_architecture.py"), "--check"]
     run = subprocess.run(words, capture_output=True, text=True)
     assert run.returncode == 0, run.stdout + run.stderr

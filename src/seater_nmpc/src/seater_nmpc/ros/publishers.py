@@ -18,7 +18,7 @@ from seater_nmpc.ros import conversions
 
 
 class Publishers:
-    """Topics in docs/architecture.md. `stamp` and frames are those of the last odometry message."""
+    """Topics in docs/reference/interfaces.md. `stamp` and frames are those of the last odometry message."""
 
     def __init__(self, dock_frame: str, lock_step: bool) -> None:
         """`lock_step`: the simulator waits for `input_done`."""
