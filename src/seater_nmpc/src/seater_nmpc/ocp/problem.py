@@ -1,4 +1,4 @@
-"""What the optimal control problems of docking share: multiple shooting in the target's frame (formulas: docs/explanation/controller.md).
+"""What the optimal control problems of docking share: multiple shooting (formulas: docs/explanation/controller.md).
 
 The target is the origin, so the heading is wrapped once, by the caller, and nothing wraps or kinks inside (but F2 of the
 paper's formulation, which is taken as it is).

@@ -9,7 +9,7 @@ from seater_common.params import param
 
 @dataclass(frozen=True)
 class Weights:
-    """Cost of the formulation `docking`, in the target's frame (docs/explanation/controller.md). Stage terms count per second."""
+    """Cost of the formulation `docking` (docs/explanation/controller.md). Stage terms count per second."""
 
     x: float = param(1.0, "1/m^2", "stage: along the target", low=0.0)
     y: float = param(10.0, "1/m^2", "stage: across the target", low=0.0)
