@@ -46,13 +46,14 @@ def test_result_codes_are_those_of_the_action_and_each_says_what_to_do() -> None
 
 def test_every_message_and_status_is_listed() -> None:
     folder, text = ROOT / "src" / "seater_msgs" / "msg", section("Messages")
-    assert {path.stem for path in folder.glob("*.msg")} <= set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE))
-    statuses = {(number, name) for name, number in CONSTANT.findall((folder / "ControllerStatus.msg").read_text())}
-    assert set(re.findall(r"^\| (\d+) \| ([A-Z_]+) \|", text, re.MULTILINE)) == statuses
+    assert set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE)) == {path.stem for path in folder.glob("*.msg")}
+    for title, message in (("Messages", "ControllerStatus"), ("Innovations", "DockInnovation")):
+        constants = {(number, name) for name, number in CONSTANT.findall((folder / f"{message}.msg").read_text())}
+        assert set(re.findall(r"^\| (\d+) \| ([A-Z_]+) \|", section(title), re.MULTILINE)) == constants
 
 
 def test_every_topic_of_the_docking_node_is_listed() -> None:
-    source = (ROOT / "src/seater_nmpc/src/seater_nmpc/ros/node.py").read_text()
+    source = "".join(path.read_text() for path in ROOT.glob("src/seater_nmpc/src/seater_nmpc/ros/*.py"))
     published = set(re.findall(r"rospy\.Publisher\(\s*\"(\w+)\"", source))
     assert len(published) > 3
     assert published <= set(re.findall(r"`(\w+)`", section("Topics")))

@@ -33,20 +33,21 @@ struct DetectorParameters {
     v.choice("search", search, {"own", "opencv"}, "outlines by the own search, or by OpenCV's detectMarkers");
     v.integer("search_window", search_window, "px", 5, 255, "own search: window of the adaptive threshold, odd");
     v.number("search_constant", search_constant, "grey levels", 0.5, 100.0,
-             "own search: how much darker than its surroundings");
-    v.number("min_evidence", min_evidence, "", 0.5, 20.0, "own search: how well the grey levels have to fit the code");
+             "own search: how much darker than its surroundings the print is");
+    v.number("min_evidence", min_evidence, "", 0.5, 20.0, "own search: smallest evidence of a code");
     v.integer("threshold_window_min", threshold_window_min, "px", 3, 255, "smallest window of the adaptive threshold");
     v.integer("threshold_window_max", threshold_window_max, "px", 3, 255, "largest window of the adaptive threshold");
     v.integer("threshold_window_step", threshold_window_step, "px", 1, 255, "step between the windows");
     v.number("threshold_constant", threshold_constant, "grey levels", 0.0, 100.0,
-             "how much darker than its surroundings");
+             "how much darker than its surroundings the print is");
     v.number("min_side", min_side, "px", 5.0, 500.0, "smallest marker side looked for");
-    v.number("error_correction_rate", error_correction_rate, "", 0.0, 1.0, "part of the code's correctable bits used");
+    v.number("error_correction_rate", error_correction_rate, "", 0.0, 1.0,
+             "fraction of the code's correctable bits that is used");
     v.number("corner_window", corner_window, "marker cells", 0.1, 0.8, "half window of the corner refinement");
     v.integer("corner_window_min", corner_window_min, "px", 1, 20, "smallest half window of the corner refinement");
     v.integer("corner_window_max", corner_window_max, "px", 1, 60, "largest half window of the corner refinement");
-    v.boolean("edge_fit", edge_fit, "afterwards, fit the four edges and take their intersections as corners");
-    v.number("edge_band", edge_band, "marker cells", 0.2, 0.9, "half width of the band round an edge");
+    v.boolean("edge_fit", edge_fit, "fit the four edges; corners are their intersections");
+    v.number("edge_band", edge_band, "marker cells", 0.2, 0.9, "half width of the band around an edge");
     v.number("edge_band_min", edge_band_min, "px", 1.0, 10.0, "smallest half width of the band");
     v.number("edge_band_max", edge_band_max, "px", 1.0, 20.0, "largest half width of the band");
   }
@@ -67,15 +68,15 @@ struct PoseParameters {
   template <typename Visitor>
   void visit(Visitor& v) {
     v.number("corner_sigma", corner_sigma, "px", 0.001, 5.0, "standard deviation of a corner coordinate");
-    v.number("corner_sigma_coarse", corner_sigma_coarse, "px", 0.001, 5.0,
-             "the same where the edges could not be fitted");
+    v.number("corner_sigma_coarse", corner_sigma_coarse, "px", 0.001, 5.0, "the same where the edge fit failed");
     v.number("model_sigma", model_sigma, "px", 0.0, 5.0,
-             "photometric: what camera and print deviate from the model, as of a corner coordinate");
+             "photometric: error of the camera and print model, as of a corner");
     v.number("tilt_sigma", tilt_sigma, "rad", 0.001, 1.0, "how far markers and camera are from upright");
-    v.number("min_hypothesis_weight", min_hypothesis_weight, "", 0.0, 0.5, "less probable poses are left out");
-    v.number("max_reprojection_error", max_reprojection_error, "px", 0.05, 20.0, "larger ones are refused, if also:");
+    v.number("min_hypothesis_weight", min_hypothesis_weight, "", 0.0, 0.5, "less probable poses are not published");
+    v.number("max_reprojection_error", max_reprojection_error, "px", 0.05, 20.0,
+             "rms error above which a marker is refused, if also");
     v.number("max_reprojection_fraction", max_reprojection_fraction, "sides", 0.0, 0.2,
-             "of the marker's side exceeded");
+             "it exceeds this fraction of the marker's side");
     v.number("placement_sigma", placement_sigma, "m", 0.0, 0.05, "standard deviation of the markers' places");
     v.number("placement_tolerance", placement_tolerance, "m", 0.0, 0.1, "how far a marker may be from its place");
   }
@@ -105,20 +106,20 @@ struct PhotometricParameters {
         "point spread function: as given; one width estimated; a width along each direction estimated (motion blur)");
     v.number("blur_sd", psf_sd, "px", 0.0, 10.0,
              "standard deviation of the lens' point spread function, without the pixel's own area");
-    v.boolean("illumination_slope", illumination_slope, "estimate how brightness changes over the marker");
-    v.number("quiet_zone", quiet_zone, "cells", 0.0, 2.0, "white margin round a marker that can be relied on");
+    v.boolean("illumination_slope", illumination_slope, "estimate how brightness changes across the marker");
+    v.number("quiet_zone", quiet_zone, "cells", 0.0, 2.0, "white margin around a marker that can be relied on");
     v.number("noise_sd", noise_sd, "grey levels", 0.0, 10000.0, "known noise, for reduced_chi_square; 0: unknown");
     v.number("saturation", saturation, "grey levels", 0.0, 65535.0, "where the sensor clips; 0: largest of the type");
     v.number("reach", reach, "standard deviations", 1.0, 4.0,
              "of the point spread function; pixels farther from every edge are thinned out");
-    v.number("margin", margin, "px", 0.0, 10.0, "the same, additionally, for the error of the initial pose");
-    v.integer("max_pixels", max_pixels, "", 200, 1000000, "most pixels used of one marker");
-    v.integer("max_iterations", max_iterations, "", 1, 1000, "most evaluations of the image");
+    v.number("margin", margin, "px", 0.0, 10.0, "added to reach, for the error of the initial pose");
+    v.integer("max_pixels", max_pixels, "", 200, 1000000, "largest number of pixels of one marker");
+    v.integer("max_iterations", max_iterations, "", 1, 1000, "largest number of evaluations of the image");
     v.number("tukey", tukey, "standard deviations", 3.0, 20.0, "of the noise; residuals above are outliers");
-    v.number("max_shift", max_shift, "sides", 0.01, 2.0, "a fit that moves a marker farther in the image has failed");
-    v.number("min_inlier_share", min_inlier_share, "", 0.1, 1.0, "a fit with fewer inliers has failed");
+    v.number("max_shift", max_shift, "sides", 0.01, 2.0, "a fit that moves a marker farther in the image fails");
+    v.number("min_inlier_share", min_inlier_share, "", 0.1, 1.0, "a fit with a smaller fraction of inliers fails");
     v.number("min_contrast", min_contrast, "grey levels", 0.5, 10000.0,
-             "a fit with less between black and white has failed");
+             "a fit with less between black and white fails");
   }
 };
 
@@ -132,11 +133,11 @@ struct TrackingParameters {
 
   template <typename Visitor>
   void visit(Visitor& v) {
-    v.boolean("enabled", enabled, "look near the last places first; false: search every image as a whole");
-    v.integer("full_search_every", full_search_every, "images", 1, 100000, "at the latest, the whole is searched");
-    v.number("margin", margin, "sides", 0.1, 5.0, "how far round the predicted place is searched");
-    v.number("margin_min", margin_min, "px", 2.0, 500.0, "but at least");
-    v.number("min_evidence", min_evidence, "", 0.5, 20.0, "how well the grey levels have to fit the expected code");
+    v.boolean("enabled", enabled, "search near predicted places; false: every image as a whole");
+    v.integer("full_search_every", full_search_every, "images", 1, 100000, "a full search at least so often");
+    v.number("margin", margin, "sides", 0.1, 5.0, "how far around the predicted place is searched");
+    v.number("margin_min", margin_min, "px", 2.0, 500.0, "smallest distance around it");
+    v.number("min_evidence", min_evidence, "", 0.5, 20.0, "smallest evidence of an expected code");
   }
 };
 
@@ -147,8 +148,8 @@ struct DiagnosticsParameters {
 
   template <typename Visitor>
   void visit(Visitor& v) {
-    v.number("min_rate", min_rate, "Hz", 0.0, 1000.0, "fewer images per second are a warning");
-    v.number("max_latency", max_latency, "s", 0.001, 10.0, "a longer way from stamp to publication is a warning");
+    v.number("min_rate", min_rate, "Hz", 0.0, 1000.0, "a lower image rate is a warning");
+    v.number("max_latency", max_latency, "s", 0.001, 10.0, "more time from stamp to publication is a warning");
   }
 };
 

@@ -39,7 +39,7 @@ def weight_set(name: str) -> Weights:
 
 @dataclass(frozen=True)
 class PaperWeights:
-    """Cost of the formulation `paper`: F1 = |p - p_doc|^2, F2 = pi - ||phi - phi_doc| - pi| (design, section 5)."""
+    """Cost of the formulation `paper`: F1 = |p - p_doc|^2, F2 = pi - ||phi - phi_doc| - pi|."""
 
     Q_position: float = param(1.0, "1/m^2", "stage weight of F1", low=0.0)
     Q_heading: float = param(0.1, "1/rad", "stage weight of F2", low=0.0)
@@ -71,9 +71,7 @@ class FatropParameters:
 class RtiParameters:
     """Settings of the solver `rti`."""
 
-    iterations: int = param(
-        1, "", "quadratic programmes in every control cycle, as far as time allows", low=1, high=100
-    )
+    iterations: int = param(1, "", "quadratic programmes per control cycle, as far as time allows", low=1, high=100)
     max_iterations: int = param(3, "", "the same at most, while a constraint is violated", low=1, high=100)
     feasibility: float = param(
         1e-3, "m, rad, m/s, rad/s", "another one is solved while a constraint is violated by more", low=1e-9, high=0.1
@@ -86,16 +84,16 @@ class RtiParameters:
 class Prediction:
     """What happens between a measurement and the time when the command computed from it acts."""
 
-    command_delay: float = param(0.0, "s", "from sending a command to the motors acting on it", low=0.0, high=1.0)
+    command_delay: float = param(0.0, "s", "from sending a command to its effect", low=0.0, high=1.0)
     solve_latency: float = param(0.0, "s", "assumed time from odometry to the command being sent", low=0.0, high=0.5)
-    motor_lag: float = param(0.0, "s", "time constant of the motors, first order", low=0.0, high=1.0)
+    motor_lag: float = param(0.0, "s", "first-order time constant of the motors", low=0.0, high=1.0)
 
 
 @dataclass(frozen=True)
 class Fallback:
     """What is done without a usable solution."""
 
-    max_plan_age: float = param(0.3, "s", "how long the last plan may be followed further", low=0.0, high=2.0)
+    max_plan_age: float = param(0.3, "s", "how long the chair may follow the last plan", low=0.0, high=2.0)
     feasibility: float = param(
         1e-3,
         "m, rad, m/s, rad/s",
@@ -103,7 +101,7 @@ class Fallback:
         low=0.0,
         high=0.1,
     )
-    max_consecutive: int = param(10, "", "cycles in a row without a solution after which docking fails", low=1)
+    max_consecutive: int = param(10, "", "cycles in a row without a solution that end the docking", low=1)
 
 
 @dataclass(frozen=True)
@@ -125,32 +123,30 @@ class ControlParameters:
     last_step: float = param(
         0.0,
         "s",
-        "length of the last step, the lengths growing evenly towards it (0: all are `step`)",
+        "last step; lengths grow evenly towards it (0: all are `step`)",
         low=0.0,
         high=1.0,
     )
-    fine_steps: int = param(0, "", "the first so many steps are as long as the control period", low=0, high=200)
-    walls: bool = param(True, "", "whether the bay's walls and speed limit are constraints (false: free space)")
+    fine_steps: int = param(0, "", "so many first steps are as long as the control period", low=0, high=200)
+    walls: bool = param(True, "", "the bay's walls and speed limit are constraints (false: free space)")
     margin: float = param(0.05, "m", "distance that the footprint keeps from every wall", low=0.0, high=0.5)
     stop_margin: float = param(
-        0.02, "m", "the chair brakes when it could not stop this far from an obstacle", low=0.0, high=0.5
+        0.02, "m", "distance from an obstacle at which the chair must be able to stop", low=0.0, high=0.5
     )
     max_jerk: float = param(
         0.0,
         "m/s^3",
-        "largest change of acceleration (0: no limit); not with fatrop, not in `paper`",
+        "largest jerk (0: no limit); not with fatrop, not in `paper`",
         low=0.0,
         high=50.0,
     )
     max_angular_jerk: float = param(0.0, "rad/s^3", "the same for turning", low=0.0, high=100.0)
-    max_obstacles: int = param(
-        2, "", "obstacles at run time that each step of the plan keeps clear of, the nearest ones", low=0, high=10
-    )
+    max_obstacles: int = param(2, "", "nearest obstacles that each step of the plan keeps clear of", low=0, high=10)
     bay_deceleration: float = param(
         0.6, "", "fraction of a_max with which the speed falls to the bay's limit ahead of the bay", low=0.05, high=1.0
     )
     view_half_angle: float = param(
-        0.60, "rad", "half of the horizontal field of view in which the markers' middle is kept", low=0.1, high=1.4
+        0.60, "rad", "half of the horizontal field of view that keeps a marker", low=0.1, high=1.4
     )
     weights: Weights = field(default_factory=Weights)
     paper: PaperWeights = field(default_factory=PaperWeights)

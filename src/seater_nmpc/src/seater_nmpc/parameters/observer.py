@@ -18,32 +18,38 @@ class ObserverParameters:
         0.02, "m/s, rad/s", "speed below which the chair counts as standing", low=0.001, high=1.0
     )
     reacquire_count: int = param(
-        8, "", "rejected measurements in a row, consistent among themselves, that replace the estimate", low=2, high=100
+        8, "", "rejected measurements in a row that agree and replace the estimate", low=2, high=100
     )
     gate: float = param(16.3, "", "chi-square gate, 3 degrees of freedom (16.3: 99.9 %)", low=1.0, high=1000.0)
     acquire_odds: float = param(
-        20.0, "", "odds for one of several poses that images leave open, before it is believed", low=1.0, high=1e6
+        20.0, "", "likelihood ratio at which one of several poses is believed", low=1.0, high=1e6
     )
     calibration_position: float = param(
-        0.001, "m", "what calibration leaves, the same in every image, standard deviation", low=0.0, high=0.1
+        0.001, "m", "calibration error, equal in all images, standard deviation", low=0.0, high=0.1
     )
     calibration_heading: float = param(0.002, "rad", "the same for the heading", low=0.0, high=0.2)
     scale_sd: float = param(
-        0.01, "", "constant relative error of the odometry's distances, standard deviation", low=0.0, high=0.2
+        0.01, "", "constant relative error of odometry distances, standard deviation", low=0.0, high=0.2
     )
     heading_scale_sd: float = param(0.01, "", "the same for turns", low=0.0, high=0.2)
-    heading_drift_sd: float = param(0.005, "rad/m", "constant turn per metre driven, the same", low=0.0, high=0.2)
-    distance_noise: float = param(
-        0.002, "m/sqrt(m)", "random error of distances, standard deviation after 1 m", low=0.0, high=1.0
+    heading_drift_sd: float = param(
+        0.005, "rad/m", "constant turn per metre driven, standard deviation", low=0.0, high=0.2
     )
-    heading_noise: float = param(0.002, "rad/sqrt(m)", "random turn after 1 m driven", low=0.0, high=1.0)
-    turn_noise: float = param(0.004, "rad/sqrt(rad)", "random error of turns after 1 rad", low=0.0, high=1.0)
-    speed_noise: float = param(0.02, "m/s", "odometry's speed, standard deviation of one message", low=1e-4, high=0.5)
+    distance_noise: float = param(
+        0.002, "m/sqrt(m)", "random error of distances after 1 m, standard deviation", low=0.0, high=1.0
+    )
+    heading_noise: float = param(
+        0.002, "rad/sqrt(m)", "random turn after 1 m driven, standard deviation", low=0.0, high=1.0
+    )
+    turn_noise: float = param(
+        0.004, "rad/sqrt(rad)", "random turn after 1 rad turned, standard deviation", low=0.0, high=1.0
+    )
+    speed_noise: float = param(0.02, "m/s", "error of one message's speed, standard deviation", low=1e-4, high=0.5)
     omega_noise: float = param(0.02, "rad/s", "the same for its turning rate", low=1e-4, high=1.0)
     speed_agility: float = param(
         0.15,
         "m/s^2",
-        "how far the motors deviate from the lag that is assumed, standard deviation",
+        "deviation from the assumed motor lag, standard deviation",
         low=0.001,
         high=5.0,
     )
@@ -51,8 +57,8 @@ class ObserverParameters:
     max_tilt: float = param(
         0.35,
         "rad",
-        "angle between the dock's z axis and the vertical above which a hypothesis is a flip",
+        "tilt of the dock's z axis above which a hypothesis is a flip",
         low=0.01,
         high=1.6,
     )
-    max_height: float = param(0.5, "m", "height of the dock's origin above the floor above which it is one", low=0.01)
+    max_height: float = param(0.5, "m", "height of the dock's origin above which it is a flip too", low=0.01)

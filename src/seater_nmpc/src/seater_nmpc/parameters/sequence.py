@@ -26,10 +26,10 @@ class SequenceParameters:
     """The docking sequence."""
 
     timeouts: Timeouts = field(default_factory=Timeouts)
-    max_start_distance: float = param(6.0, "m", "dock farther than this at the start is not valid", low=0.5, high=50.0)
+    max_start_distance: float = param(6.0, "m", "largest distance of the dock at the start", low=0.5, high=50.0)
     max_retries: int = param(2, "", "times the chair backs out and tries again", low=0, high=20)
     gate_distance: float = param(
-        0.10, "m", "how far before the bay the front is when the corridor decides on a retry", low=0.0, high=2.0
+        0.10, "m", "distance before the bay at which the corridor decides on a retry", low=0.0, high=2.0
     )
     corridor_half_width: float = param(0.08, "m", "corridor at the gate: largest lateral error", low=0.005, high=1.0)
     corridor_heading: float = param(0.15, "rad", "corridor at the gate: largest heading error", low=0.01, high=1.0)
@@ -46,19 +46,19 @@ class SequenceParameters:
     )
     release_heading: float = param(0.014, "rad", "the same for the heading error", low=0.0002, high=0.4)
     settle_time: float = param(
-        1.5, "s", "time within the release zone after which it is stopped as well", low=0.1, high=30.0
+        1.5, "s", "time within the release zone that stops the chair as well", low=0.1, high=30.0
     )
-    stall_time: float = param(4.0, "s", "standing for so long on the final straight means a retry", low=0.5, high=60.0)
+    stall_time: float = param(4.0, "s", "standing for so long on the final straight starts a retry", low=0.5, high=60.0)
     standing_speed: float = param(
         0.01, "m/s, rad/s", "measured speed below which the chair stands", low=0.0005, high=0.1
     )
     standing_time: float = param(0.3, "s", "how long it must stand before verification", low=0.0, high=5.0)
     verify_measurements: int = param(10, "", "fresh measurements averaged for verification", low=1, high=1000)
-    max_blind_distance: float = param(0.3, "m", "way driven by odometry alone before stopping", low=0.01, high=3.0)
+    max_blind_distance: float = param(0.3, "m", "distance driven by odometry alone before stopping", low=0.01, high=3.0)
     max_blind_time: float = param(3.0, "s", "time driven by odometry alone before stopping", low=0.1, high=60.0)
     odometry_timeout: float = param(0.3, "s", "age of the odometry at which it counts as lost", low=0.02, high=5.0)
     obstacle_timeout: float = param(
-        0.0, "s", "how long a message with obstacles holds without a newer one; 0: for ever", low=0.0, high=3600.0
+        0.0, "s", "how long a message on `obstacles` holds; 0: until the next", low=0.0, high=3600.0
     )
     predock_position: float = param(
         0.08, "m", "distance at which the predock point counts as reached", low=0.005, high=0.5
