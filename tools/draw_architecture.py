@@ -30,6 +30,7 @@ OUTPUT = ROOT / "docs" / "images" / "architecture.svg"
 
 WALL, ROOM, INK, ARROW, WAY = "#f3f1ec", "#ffffff", "#222222", "#9a9a9a", "#d9541e"
 ROW, HEIGHT, WIDEST = 1.0, 0.62, 3.1  # of a room, in units of the drawing
+LETTER = 0.14  # width of a letter of a room's name, about, in the same units
 
 Arrows = dict[str, set[str]]
 
@@ -97,6 +98,7 @@ CAPTIONS = {
     },
     "seater_eval": {
         "ros": "runs with nodes", "docking": "one docking", "control": "controller", "perception": "detector",
+        "perception/images": "renderer, bound",
         "baselines": "other methods", "report": "tables, bars", "run": "long runs",
     },
 }  # fmt: skip
@@ -164,6 +166,8 @@ def draw_box(axes: Axes, place: Place, title: str, caption: str, name: str | Non
                          facecolor=ROOM, edgecolor=INK, linewidth=0.8, zorder=2)  # fmt: skip
     box.set_gid(name)
     axes.add_patch(box)
+    if len(title) * LETTER > width:  # a room within a room, in a narrow box: two lines, no caption
+        title, caption = title.replace("/", "/\n"), ""
     style: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 3}
     axes.text(x, y + (0.12 if caption else 0.0), title, fontsize=9, color=INK, **style)
     axes.text(x, y - 0.17, caption, fontsize=7, color="#666666", **style)
