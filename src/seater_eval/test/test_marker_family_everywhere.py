@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 import seater_perception as sp
 from seater_common.geometry import Chair, Dock
 from seater_common.marker_family import marker_family, predefined_names
-from seater_eval.perception.degraded_camera import load_degraded_camera
+from seater_eval.perception.images.degraded_camera import load_degraded_camera
+from seater_eval.perception.images.render import Print, clean_image, corners_of, exposed
 from seater_eval.perception.peers import make_peer
-from seater_eval.perception.render import Print, clean_image, corners_of, exposed
 from seater_eval.perception.subject import camera_model
-from seater_sim.camera import Camera
-from seater_sim.camera_model import CameraModel
+from seater_sim.camera.camera import Camera
+from seater_sim.camera.camera_model import CameraModel
 from seater_sim.settings import CameraSettings
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
@@ -46,9 +46,11 @@ def test_the_evaluation_draws_what_perception_detects(family: str) -> None:
     print_ = Print(family, 2, 0.1, pose)
     image = exposed(clean_image([print_], camera), camera.noise_sd, np.random.default_rng(1))
     detector = sp.DockDetector(camera_model(camera), sp.layout_of_equal_markers(family, 0.1), sp.default_parameters())
-    for seen in (detector.detect(image).markers, make_peer("opencv_none", camera.K, 0.1, family)(image)):
-        assert [marker.id for marker in seen] == [2]
-        assert np.abs(seen[0].corners - corners_of(print_, camera.K)).max() < 1.0
+    truth = corners_of(print_, camera.K)
+    ours, theirs = detector.detect(image).markers, make_peer("opencv_none", camera.K, 0.1, family)(image)
+    assert [marker.id for marker in ours] == [marker.id for marker in theirs] == [2]
+    assert np.abs(ours[0].corners - truth).max() < 0.05  # measured 0.01
+    assert np.abs(theirs[0].corners - truth).max() < 2.0  # as found: on whole pixels
 
 
 def test_the_simulator_draws_what_perception_detects(family: str) -> None:

@@ -65,15 +65,15 @@ std::vector<scene::Print> twoPrints() {
 
 void expectFound(const MarkerFamily& family, const PerceptionParameters& parameters) {
   const Calibration c = scene::calibration();
-  const DockDetector detector(CameraModel::raw(c), layoutOfEqualMarkers(family, 0.1), parameters, CameraMount());
+  DockDetector detector(CameraModel::raw(c), layoutOfEqualMarkers(family, 0.1), parameters, CameraMount());
   const auto result = detector.detect(scene::draw(c, family, twoPrints(), scene::Look(), 1));
   ASSERT_EQ(result.markers.size(), 2u) << parameters.detector.search;
   for (std::size_t i = 0; i < 2; ++i) {
     const scene::Print print = twoPrints()[i];
-    EXPECT_EQ(result.markers[i].image.id, print.id);
+    EXPECT_EQ(result.markers[i].id, print.id);
     const auto truth = scene::trueCorners(c, print);
     for (std::size_t k = 0; k < 4; ++k) {
-      EXPECT_LT((result.markers[i].image.corners[k] - truth[k]).norm(), 0.3) << parameters.detector.search;
+      EXPECT_LT((result.markers[i].corners[k] - truth[k]).norm(), 0.3) << parameters.detector.search;
     }
   }
 }
