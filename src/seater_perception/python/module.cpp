@@ -84,7 +84,8 @@ void bindResults(py::module_& m) {
       .def_property_readonly("id", [](const sp::DetectedMarker& marker) { return marker.id; })
       .def_property_readonly("corners", [](const sp::DetectedMarker& marker) { return cornersOf(marker); })
       .def_readonly("size", &sp::DetectedMarker::size)
-      .def_readonly("ambiguity", &sp::DetectedMarker::ambiguity)
+      .def_readonly("ambiguity", &sp::DetectedMarker::ambiguity,
+                    "likelihood of the second hypothesis over that of the first, by the image alone; 0: no second one")
       .def_readonly("hypotheses", &sp::DetectedMarker::hypotheses)
       .def_property_readonly("covariance", [](const sp::DetectedMarker& marker) { return marker.covariance(); });
   py::class_<sp::DetectionResult>(m, "DetectionResult")

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "scene.h"
 #include "seater_perception/dock_layout.h"
 
 using namespace seater_perception;
@@ -95,4 +96,27 @@ TEST(InitialPoses, SharpCornersOfALargeMarkerDecide) {
   marker.image.edges_fitted = true;
   for (auto& corner : marker.image.corners) corner /= 3.0;
   EXPECT_EQ(openPoses(marker).size(), 2u);
+}
+
+// By grey levels: the image's likelihoods alone, which are the weights where nothing is known of how markers stand.
+TEST(InitialPoses, AmbiguityIsTheLikelihoodRatioOfBothBranches) {
+  const Calibration camera = scene::calibration();
+  DockDetector detector(CameraModel::raw(camera), layoutOfEqualMarkers("DICT_4X4_50", 0.1), PerceptionParameters(),
+                        CameraMount());
+  int two = 0;
+  for (unsigned k = 0; k < 12; ++k) {
+    const scene::Print print{3, 0.1, scene::upright({0.02 * k, 0.0, 2.8}, 0.1)};
+    const auto result = detector.detect(scene::draw(camera, "DICT_4X4_50", {print}, scene::Look(), k));
+    ASSERT_EQ(result.markers.size(), 1u) << k;
+    const DetectedMarker& marker = result.markers[0];
+    if (marker.hypotheses.size() < 2) {
+      EXPECT_EQ(marker.ambiguity, 0.0);
+      continue;
+    }
+    ++two;
+    EXPECT_NEAR(marker.ambiguity, marker.hypotheses[1].weight / marker.best().weight, 1e-9);
+    EXPECT_LE(marker.ambiguity, 1.0);
+  }
+  std::printf("  two branches in %d of 12 images\n", two);
+  EXPECT_GE(two, 4);
 }

@@ -200,6 +200,37 @@ TEST(Poses, exactCornersGiveTheExactPose) {
   }
 }
 
+// By corners: the image's likelihoods alone. Without a prior they are the weights.
+TEST(Poses, ambiguityIsTheLikelihoodRatioOfBothPoses) {
+  const Calibration c = scene::calibration();
+  const CameraModel camera = CameraModel::raw(c);
+  PoseParameters parameters;
+  parameters.corner_sigma = 0.15;
+  std::mt19937 random(7);
+  int two = 0, overruled = 0;
+  for (int i = 0; i < 100; ++i) {
+    const scene::Print print{0, 0.1, scene::upright({0.0, 0.0, 2.6}, 0.0, 0.2)};
+    const MarkerCorners corners = seen(c, print, random, 0.15);
+    const auto free = estimateMarker(camera, corners, print.size, PosePrior(), parameters);
+    const auto held = estimateMarker(camera, corners, print.size, upright(0.2), parameters);
+    ASSERT_TRUE(free && held);
+    if (free->hypotheses.size() < 2) {
+      EXPECT_EQ(free->ambiguity, 0.0);
+      continue;
+    }
+    ++two;
+    EXPECT_NEAR(free->ambiguity, free->hypotheses[1].weight / free->best().weight, 1e-9);
+    EXPECT_LE(free->ambiguity, 1.0);
+    // The prior decides for either of the same two poses; where it overrules the image, the ratio is turned over.
+    const bool turned = !samePose(held->best().pose, free->best().pose);
+    EXPECT_NEAR(std::log(held->ambiguity), (turned ? -1.0 : 1.0) * std::log(free->ambiguity), 1e-6);
+    overruled += held->ambiguity > 1.0;
+  }
+  std::printf("  two poses in %d of 100, the prior overrules the corners in %d\n", two, overruled);
+  EXPECT_GT(two, 50);
+  EXPECT_GT(overruled, 10);
+}
+
 // A small marker far away, seen by a camera that looks 0.2 rad down: its mirror pose is as good by pixels alone.
 TEST(Poses, priorChoosesTheUprightOne) {
   const Calibration c = scene::calibration();

@@ -41,7 +41,9 @@ struct DetectedMarker {
   double side = 0.0;                       ///< mean side in the image [px]
   bool edges_fitted = false;               ///< its four edges were fitted, which makes corners most accurate
   std::vector<PoseHypothesis> hypotheses;  ///< of T_optical_marker: one or two, most probable first
-  double ambiguity = 0.0;                  ///< error of the first / error of the second; 0 when there is no second one
+  /// Likelihood of the second hypothesis over that of the first, by the image alone. 0: clear, or there is no second
+  /// one; near 1: undecided by the image; above 1: the prior (upright) overruled the image. Both kinds of refinement.
+  double ambiguity = 0.0;
 
   const PoseHypothesis& best() const { return hypotheses.front(); }
   /// Covariance of best().pose for those who see no other hypothesis: covers all of them.

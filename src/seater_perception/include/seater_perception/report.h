@@ -23,7 +23,8 @@ Placement dockPlacement(const Eigen::Isometry3d& T_optical_dock);
 /// A table of one image's markers and of the dock, millimetres and degrees.
 std::string table(const DetectionResult& result);
 
-/// One JSON object: SI units and radians, poses as position and quaternion (x y z w) in the optical frame.
+/// One JSON object: SI units and radians, poses as position and quaternion (x y z w) in the optical frame; a marker's
+/// `ambiguity` as of DetectedMarker.
 std::string json(const std::string& image, const DetectionResult& result, const std::optional<std::string>& drawing);
 
 }  // namespace seater_perception

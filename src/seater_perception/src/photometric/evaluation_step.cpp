@@ -9,9 +9,12 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kLargestInverse = 1e10;  // trace of the inverse of the normal matrix scaled to a unit diagonal
-constexpr double kLargestTurn = 0.5;      // [rad] of a step
-constexpr double kLargestMove = 0.5;      // of the distance
+// Trace of the inverse of the normal matrix scaled to a unit diagonal: double precision leaves six digits of such an
+// inverse. Chosen by hand.
+constexpr double kLargestInverse = 1e10;
+// A step farther than these leaves what the linearisation holds for; damping then shortens it. Chosen by hand.
+constexpr double kLargestTurn = 0.5;  // [rad] of a step
+constexpr double kLargestMove = 0.5;  // of the distance
 
 }  // namespace
 

@@ -9,7 +9,7 @@
 namespace seater_perception {
 
 /// [px] side from which on a marker is large: noise in its corners leaves one pose of two, and no longer makes up a
-/// pattern. Chosen by hand.
+/// pattern. Chosen by hand; `perception_accuracy` (wrong branches) and initial_poses_test notice.
 constexpr double kLargeMarker = 40.0;
 
 /// The other pose under which a marker far away looks the same: its depths along the line of sight change sign.

@@ -9,7 +9,8 @@
 namespace seater_perception {
 namespace {
 
-// Steps of a slope are damped as if this were known of it: keeps tiny markers solvable.
+// Steps of slope and rim are damped as if these were known of them: keeps tiny markers solvable. Chosen by hand: light
+// that changes by 30 % over a marker; surroundings darker by 40 % of the sensor's range.
 constexpr double kSlopeSd = 0.3;
 constexpr double kPsfChanged = 1e-9;  // [px^2] rounding changes less
 constexpr double kRimSd = 0.4;        // the same of the rim, in ranges of the sensor

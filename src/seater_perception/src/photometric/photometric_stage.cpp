@@ -11,18 +11,25 @@
 namespace seater_perception {
 namespace {
 
+// Chosen by hand between what true markers and what other dark squares show. `perception_accuracy` counts missed
+// markers and `perception_range` false ones; detection_test, plain_markers_test and tracker_cases_test notice too.
+
 // Part of the image's variance that the pattern has to explain: a small marker has to be proved by it, a large one
 // has been read bit by bit and may be partly covered.
 constexpr double kExplainedSmall = 0.9, kExplainedLarge = 0.85;
-constexpr double kBeyondScale = 0.15, kLargestPsf = 0.95;  // of the range of grey levels; of a cell
+constexpr double kBeyondScale = 0.15;  // [ranges of grey levels] how far black and white may lie beyond the sensor's
+constexpr double kClipped = 0.05;     // fraction of the pixels at an end, from which on white or black may lie anywhere
+constexpr double kLargestPsf = 0.95;  // [cells] standard deviation; wider, cells cannot be told apart
 // Residuals at edges over those of flat pixels, and distance from the fitted edges' corners over its standard
-// deviation: from here on, the print is not what the model says.
+// deviation: from here on, the print is not what the model says (docs/explanation/perception.md).
 constexpr double kMisfit = 1.8, kContradiction = 1.0;
-constexpr double kCoarseCorners = 0.25;   // cells
-constexpr double kBlurredCorners = 0.25;  // standard deviations of the blur
-constexpr double kClipped = 0.05;         // share of the pixels
-constexpr double kShadowSigma = 0.06;     // [px] of a corner: what taking away a shadow's edge leaves
-constexpr double kDisplaced = 0.3;        // [px] rms, between a marker's own corners and those of the joint pose
+constexpr double kCoarseCorners = 0.25;  // [cells] error of corners that no edge confirms
+constexpr double kBlurredCorners =
+    0.25;  // [standard deviations of the point spread function] the same of blurred edges
+// [px] of a corner: what taking away a shadow's edge leaves; by the normalised errors of `perception_shadows`.
+constexpr double kShadowSigma = 0.06;
+// [px] rms, between a marker's own corners and those of the joint pose: six times corner_sigma (0.05); chosen by hand.
+constexpr double kDisplaced = 0.3;
 
 /// Grey levels that the sensor could have seen, and a blur that leaves cells to be told apart.
 bool plausible(const PhotometricResult& result, double side, int cells, double full_scale) {
@@ -224,10 +231,7 @@ RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& p
   refined.marker.hypotheses = hypotheses;
   refined.marker.image.psf_sd = fits.psfSd();
   placeCorners(context.camera, hypotheses.front(), context.pose.corner_sigma, refined.marker);
-  refined.marker.ambiguity = 0.0;
-  if (hypotheses.size() > 1) {
-    refined.marker.ambiguity = std::exp(std::min(5.0, 0.5 * (hypotheses[0].chi_squared - hypotheses[1].chi_squared)));
-  }
+  refined.marker.ambiguity = ambiguity(hypotheses, 1.0);
   return refined;
 }
 

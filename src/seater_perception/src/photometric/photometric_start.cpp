@@ -7,8 +7,8 @@
 namespace seater_perception {
 namespace {
 
-constexpr int kBrightnessPixels = 512;  // are enough to begin with
-
+constexpr int kBrightnessPixels = 512;  // are enough to begin with: the fit itself improves it
+// Steps between neighbours: as a scale exact to 1.2 / sqrt(n), that is 5 % and 35 %.
 constexpr std::size_t kNoiseSteps = 500, kFewestSteps = 12;
 
 using Seen = std::pair<float, float>;  // white, grey

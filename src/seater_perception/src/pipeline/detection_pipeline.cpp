@@ -26,6 +26,7 @@ void keepNearest(const Eigen::Isometry3d& pose, MarkerEstimate& marker) {
                                              [&](const auto& a, const auto& b) { return turn(a) < turn(b); });
   nearest.weight = 1.0;
   marker.hypotheses = {nearest};
+  marker.ambiguity = 0.0;
   marker.branch_known = true;
 }
 

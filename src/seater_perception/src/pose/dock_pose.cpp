@@ -58,12 +58,12 @@ std::vector<PoseHypothesis> fromGroup(const CameraModel& camera, const Group& gr
                                       const PoseParameters& parameters) {
   if (group.size() == 1) return fromSingle(group.front());
   Correspondences points;
-  std::vector<Eigen::Isometry3d> seeds;
+  std::vector<Eigen::Isometry3d> initial;
   for (const Sighting& s : group) {
     points.append(s.points);
-    for (const PoseHypothesis& h : fromSingle(s)) seeds.push_back(h.pose);
+    for (const PoseHypothesis& h : fromSingle(s)) initial.push_back(h.pose);
   }
-  auto result = refineAll(camera, points, seeds);
+  auto result = refineAll(camera, points, initial);
   weigh(result, points.size(), prior, parameters.tilt_sigma);
   return result;
 }

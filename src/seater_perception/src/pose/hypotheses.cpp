@@ -7,18 +7,30 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kChanceLimit = 13.8;      // a chi-squared of 2 degrees of freedom exceeds it once in 1000 times
-constexpr double kMaxRotationSigma = 2.0;  // [rad] a rotation that is less certain says nothing
+// A chi-squared of 2 degrees of freedom (one marker: 8 coordinates, 6 unknowns) exceeds it once in 1000 times: 2 ln
+// 1000. With more degrees of freedom, the limit grows by their mean and by three standard deviations of the additional
+// ones.
+constexpr double kChanceLimit = 13.8;
+// A rotation with a standard deviation above 2 rad is anywhere (uniform over a half turn to both sides: 1.8 rad); a
+// distance known to no better than its half may be zero at two standard deviations. Chosen by that reasoning.
+constexpr double kMaxRotationSigma = 2.0;  // [rad]
 constexpr double kMaxPositionSigma = 0.5;  // of the distance
+// Ambiguity stays below e^5 = 148 where the prior has overruled the image; any larger number says the same.
+constexpr double kLargestLogRatio = 5.0;
 
-/// How much larger than assumed the corners' variance must be for this residual to be possible; 1 when it is.
+}  // namespace
+
 double inflation(double chi_squared, std::size_t corners) {
   const double freedom = 2.0 * static_cast<double>(corners) - 6.0;
   const double limit = freedom + kChanceLimit - 2.0 + 3.0 * std::sqrt(2.0 * (freedom - 2.0));
   return chi_squared > limit ? chi_squared / freedom : 1.0;
 }
 
-}  // namespace
+double ambiguity(const std::vector<PoseHypothesis>& hypotheses, double scale) {
+  if (hypotheses.size() < 2) return 0.0;
+  const double difference = (hypotheses[0].chi_squared - hypotheses[1].chi_squared) / scale;
+  return std::exp(std::min(kLargestLogRatio, 0.5 * difference));
+}
 
 bool meaningful(const PoseHypothesis& hypothesis) {
   const double rotation = std::sqrt(hypothesis.covariance.diagonal().tail<3>().maxCoeff());
@@ -27,10 +39,10 @@ bool meaningful(const PoseHypothesis& hypothesis) {
 }
 
 std::vector<PoseHypothesis> refineAll(const CameraModel& camera, const Correspondences& points,
-                                      const std::vector<Eigen::Isometry3d>& seeds) {
+                                      const std::vector<Eigen::Isometry3d>& initial) {
   std::vector<PoseHypothesis> result;
-  for (const Eigen::Isometry3d& seed : seeds) {
-    const auto pose = refinePose(points, seed);
+  for (const Eigen::Isometry3d& start : initial) {
+    const auto pose = refinePose(points, start);
     if (!pose) continue;
     const auto same = [&](const PoseHypothesis& other) { return samePose(*pose, other.pose); };
     if (std::any_of(result.begin(), result.end(), same)) continue;

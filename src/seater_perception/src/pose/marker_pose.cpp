@@ -29,9 +29,9 @@ std::optional<MarkerEstimate> estimateMarker(const CameraModel& camera, const Ma
   weigh(result.hypotheses, points->size(), prior, parameters.tilt_sigma);
   if (result.hypotheses.empty()) return std::nullopt;
   if (result.best().error > largestError(marker.side(), parameters)) return std::nullopt;
-  if (result.hypotheses.size() > 1) {
-    result.ambiguity = result.best().error / std::max(result.hypotheses[1].error, 1e-6);
-  }
+  double smallest = result.best().chi_squared;
+  for (const PoseHypothesis& h : result.hypotheses) smallest = std::min(smallest, h.chi_squared);
+  result.ambiguity = ambiguity(result.hypotheses, inflation(smallest, points->size()));
   return result;
 }
 

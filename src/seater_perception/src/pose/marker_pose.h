@@ -13,7 +13,7 @@ struct MarkerEstimate {
   MarkerCorners image;                     ///< id and corners in the image
   double size = 0.0;                       ///< side of the print [m]
   std::vector<PoseHypothesis> hypotheses;  ///< of T_optical_marker: one or two, most probable first
-  double ambiguity = 0.0;                  ///< error of the first / error of the second; 0 when there is no second one
+  double ambiguity = 0.0;                  ///< see DetectedMarker
   bool branch_known = false;               ///< other markers or images tell which of the two poses it is
 
   const PoseHypothesis& best() const { return hypotheses.front(); }

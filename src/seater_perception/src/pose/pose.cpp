@@ -11,9 +11,9 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kVvsEpsilon = 1e-18;  // change of the squared error, in undistorted coordinates: 1e-6 px
-constexpr int kVvsSteps = 100;
-constexpr double kSmallestEigenvalue = 1e-9;  // of J^T J after scaling to its diagonal; 1 would be perfect
+constexpr double kVvsEpsilon = 1e-18;         // change of the squared error, in undistorted coordinates: 1e-6 px
+constexpr int kVvsSteps = 100;                // ends what does not converge
+constexpr double kSmallestEigenvalue = 1e-9;  // of J^T J scaled to a unit diagonal; double precision resolves 1e-15
 
 vpHomogeneousMatrix toVisp(const Eigen::Isometry3d& pose) {
   vpHomogeneousMatrix result;
@@ -54,8 +54,8 @@ void Correspondences::append(const Correspondences& other) {
   sigma.insert(sigma.end(), other.sigma.begin(), other.sigma.end());
 }
 
-std::optional<Eigen::Isometry3d> refinePose(const Correspondences& points, const Eigen::Isometry3d& seed) {
-  if (points.size() < 4 || !seed.matrix().allFinite()) return std::nullopt;
+std::optional<Eigen::Isometry3d> refinePose(const Correspondences& points, const Eigen::Isometry3d& initial) {
+  if (points.size() < 4 || !initial.matrix().allFinite()) return std::nullopt;
   vpPose servo;
   for (std::size_t i = 0; i < points.size(); ++i) {
     vpPoint point(points.object[i].x(), points.object[i].y(), points.object[i].z());
@@ -65,7 +65,7 @@ std::optional<Eigen::Isometry3d> refinePose(const Correspondences& points, const
   }
   servo.setVvsEpsilon(kVvsEpsilon);
   servo.setVvsIterMax(kVvsSteps);
-  vpHomogeneousMatrix pose = toVisp(seed);
+  vpHomogeneousMatrix pose = toVisp(initial);
   try {
     servo.computePose(vpPose::VIRTUAL_VS, pose);
   } catch (const vpException&) {

@@ -23,10 +23,10 @@ struct Correspondences {
   void append(const Correspondences& other);
 };
 
-/// Minimises the distance between seen and projected points in undistorted coordinates, beginning at `seed` (pose of
+/// Minimises the distance between seen and projected points in undistorted coordinates, beginning at `initial` (pose of
 /// the object in the optical frame): ViSP's virtual visual servoing (Marchand and Chaumette, "Virtual visual servoing",
 /// Eurographics 2002). Nothing when it ends not finite or with a point behind the camera.
-std::optional<Eigen::Isometry3d> refinePose(const Correspondences& points, const Eigen::Isometry3d& seed);
+std::optional<Eigen::Isometry3d> refinePose(const Correspondences& points, const Eigen::Isometry3d& initial);
 
 /// Root mean square distance between seen and projected points [px]; infinite when a point is behind the camera.
 double reprojectionError(const CameraModel& camera, const Correspondences& points, const Eigen::Isometry3d& pose);

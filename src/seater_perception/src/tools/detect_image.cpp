@@ -40,7 +40,7 @@ Finds markers in images and prints a table (or JSON); finding none is a normal r
 
 Table: distance from camera to marker centre; lateral: right of the optical axis; angle: by which the print is turned
 from square on, about the vertical, positive: its right edge is nearer; side: mean side in the image; error: rms
-reprojection error; ambiguity: this error over that of the other possible pose, near 1: undecided.
+reprojection error; ambiguity: likelihood of the other possible pose over that of this one, near 1: undecided.
 Exit code: 0 done, 1 an image could not be worked through (the others were), 2 wrong use, parameters or calibration.
 )";
 

@@ -6,7 +6,7 @@
 namespace seater_perception {
 namespace {
 
-constexpr float kMaxCorrelation = 0.95F;
+constexpr float kMaxCorrelation = 0.95F;  // the truncated series in the correlation says nothing beyond
 // The mean over a pixel's box is that over four Gaussians at these offsets up to the fifth moment: a = (1/240)^(1/4).
 constexpr float kSubOffset = 0.25406637F;
 

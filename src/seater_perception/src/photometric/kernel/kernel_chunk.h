@@ -7,7 +7,7 @@
 
 namespace seater_perception {
 
-constexpr int kChunk = 128;
+constexpr int kChunk = 128;  // [pixels] all 48 arrays of a chunk are 25 kB
 
 /// White of each pixel of the chunk and its derivatives: motion (6), blur (0, 1 or 3).
 struct Chunk {

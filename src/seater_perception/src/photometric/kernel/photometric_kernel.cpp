@@ -9,6 +9,7 @@
 namespace seater_perception {
 namespace {
 
+// Chosen by hand; the tests of clipped images (photometric_test) notice.
 constexpr double kClipSd = 0.02;  // [of the range] most noise that clipping is smoothed with
 constexpr double kBlind = 0.2;    // a pixel that feels less of a change than this is clipped
 

@@ -8,8 +8,9 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kNarrowest = 0.02;  // [px^2] of the point-spread function that a ray sees
-constexpr double kWidest = 100.0;    // [px^2]
+// [px^2] variances of the point spread function that a ray sees. Narrower than a sub-pixel's own area (1/12 -
+// sqrt(1/240) = 0.019) nothing can be; 10 px are wider than the cells of any marker that is found.
+constexpr double kNarrowest = 0.02, kWidest = 100.0;
 
 }  // namespace
 

@@ -13,8 +13,8 @@ constexpr double kBoxVariance = 1.0 / 12.0;
 constexpr double kSubVariance = 0.0645497224;  // of the four rays of a pixel: sqrt(1 / 240)
 constexpr double kNarrowBlur = 0.45;           // [px] below, the box's own shape shows: 0.3 % of the contrast
 constexpr double kFeltReach = 3.2;             // [standard deviations] beyond it a border is not felt: 7e-4
-constexpr double kSheetReach = 2.2;  // [standard deviations] from the sheet's end, its surroundings are hardly felt
-constexpr int kBuckets = 4;          // pixels are dealt into so many, one after the other
+constexpr double kSheetReach = 2.2;            // [standard deviations] from the sheet's end: felt by 1.4 %
+constexpr int kBuckets = 4;                    // pixels are dealt into so many, one after the other
 
 /// How many borders along an axis each pixel has to look at: nearest ones of this blur [cells], which is `off` wrong.
 int bordersFelt(double sd, double off) {

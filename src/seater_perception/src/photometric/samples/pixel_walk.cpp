@@ -6,11 +6,11 @@
 namespace seater_perception {
 namespace {
 
-constexpr int kTile = 8;                 // [px]
+constexpr int kTile = 8;                 // [px] shares one linearisation; chosen by hand
 constexpr double kFlatReach = 3.4;       // [standard deviations] from a border, it is not felt: 3e-4
-constexpr double kWidestBand = 3.5;      // [cells]
-constexpr double kSheetClearance = 2.2;  // [standard deviations] kept from the sheet's outer edge
-constexpr double kRimClearance = 0.8;    // the same where the fit knows of a rim
+constexpr double kWidestBand = 3.5;      // [cells] keeps the table within kRing
+constexpr double kSheetClearance = 2.2;  // [standard deviations] from the sheet's outer edge: it is felt by 1.4 %
+constexpr double kRimClearance = 0.8;    // the same where the fit knows of a rim; chosen by hand
 
 /// Mean of the flat pixels of one colour in a tile.
 struct Sum {
