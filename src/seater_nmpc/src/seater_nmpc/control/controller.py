@@ -13,7 +13,7 @@ from seater_common.geometry import Chair, Dock
 from seater_common.se2 import compose, relative
 from seater_nmpc.control.braking import BrakingCheck, braked, curvature_at
 from seater_nmpc.control.command import Command, Counters, Status
-from seater_nmpc.control.limits import clamp, in_bay
+from seater_nmpc.control.limits import clamp, in_bay, within_reach
 from seater_nmpc.control.replanner import Replanner, composed
 from seater_nmpc.observe.prediction import CommandHistory, coasting_pose
 from seater_nmpc.ocp.areas import dock_areas
@@ -24,8 +24,6 @@ from seater_nmpc.solve.interface import Solution, Solver, SolveStatus
 Array = NDArray[np.float64]
 Target = str | Sequence[float] | Array
 
-# [m/s, rad/s] by which the measured speed may differ from the commanded one beside what lag explains.
-_SPEED_MISMATCH = 0.05
 _FARTHEST = 1000.0  # [m] distance of the target at which no solver is asked: from 1e300 m fatrop does not come back
 _TOO_NEAR = "an obstacle is within the stopping distance"
 
@@ -142,12 +140,8 @@ class DockingController:
             return self._fall_back(self._clock, None, "input not finite")
         self._clock = stamp
         T_dock_target = self._target(target)
-        pose, v, omega = self._commands.roll(stamp, vehicle_pose, *velocity)
-        before = self._speeds_before(v, omega)
-        self._acts_at = relative(dock_pose, pose)
-        ahead = coasting_pose(pose, v, omega, self.parameters.prediction.motor_lag)
-        ahead = coasting_pose(ahead, *before, -self._replanner.lead)
-        state = np.concatenate([relative(compose(dock_pose, T_dock_target), ahead), before])
+        T_common_target = compose(dock_pose, T_dock_target)
+        state = self._state(stamp, vehicle_pose, velocity, dock_pose, T_common_target)
         if not (np.all(np.isfinite(state)) and np.max(np.abs(state[:2])) <= _FARTHEST):
             self.counters.refused_inputs += 1
             return self._fall_back(stamp, None, f"target is farther than {_FARTHEST:.0f} m")
@@ -156,7 +150,23 @@ class DockingController:
         slow = self._areas is not None and in_bay(self._chair, self._dock.bay, self._acts_at)
         if not self._replanner.usable(solution):
             return self._fall_back(stamp, solution, solution.text, slow)
-        return self._follow(solution, stamp, compose(dock_pose, T_dock_target), before, slow)
+        return self._follow(solution, stamp, T_common_target, (float(state[3]), float(state[4])), slow)
+
+    def _state(
+        self,
+        stamp: float,
+        vehicle_pose: ArrayLike,
+        velocity: tuple[float, float],
+        dock_pose: ArrayLike,
+        T_common_target: Array,
+    ) -> Array:
+        """Where the plan begins: x, y, heading in the target's frame, v, omega. Notes where the command begins to act."""
+        pose, v, omega = self._commands.roll(stamp, vehicle_pose, *velocity)
+        before = self._speeds_before(v, omega)
+        self._acts_at = relative(dock_pose, pose)
+        ahead = coasting_pose(pose, v, omega, self.parameters.prediction.motor_lag)
+        ahead = coasting_pose(ahead, *before, -self._replanner.lead)
+        return np.concatenate([relative(T_common_target, ahead), before])
 
     def _target(self, target: Target) -> Array:
         if isinstance(target, str):
@@ -167,17 +177,10 @@ class DockingController:
         return np.asarray(target, dtype=float)
 
     def _speeds_before(self, v: float, omega: float) -> tuple[float, float]:
-        """Speeds that the plan begins with: the last command, unless the chair plainly does not follow it."""
-        last = self._commands.last
-        if last is None:
-            return v, omega
-        limits, prediction = self._chair.limits, self.parameters.prediction
+        """Speeds that the plan begins with: the last command, unless the chair, measured at (v, omega), does not follow it."""
+        prediction = self.parameters.prediction
         window = prediction.motor_lag + prediction.command_delay + 2.0 * self.parameters.control_period
-        result = []
-        for sent, measured, rate in zip(last, (v, omega), (limits.a_max, limits.alpha_max), strict=True):
-            reach = rate * window + _SPEED_MISMATCH
-            result.append(min(max(sent, measured - reach), measured + reach))
-        return result[0], result[1]
+        return within_reach(self._chair, self._commands.last, (v, omega), window)
 
     def _follow(
         self, solution: Solution, stamp: float, target: Array, before: tuple[float, float], slow: bool

@@ -9,6 +9,9 @@ from numpy.typing import ArrayLike
 
 from seater_common.geometry import Bay, Chair
 
+# [m/s, rad/s] by which a measured speed may differ from the commanded one beside what lag explains.
+_SPEED_MISMATCH = 0.05
+
 
 def in_bay(chair: Chair, bay: Bay, T_dock_base: ArrayLike) -> bool:
     """Whether the footprint reaches past the line on which the side walls begin."""
@@ -34,3 +37,17 @@ def clamp(
     omega = min(max(omega, before[1] - limits.alpha_max * period), before[1] + limits.alpha_max * period)
     v = min(max(v, -limits.v_reverse_max), limits.v_max)
     return v, min(max(omega, -limits.omega_max), limits.omega_max)
+
+
+def within_reach(
+    chair: Chair, sent: tuple[float, float] | None, measured: tuple[float, float], window: float
+) -> tuple[float, float]:
+    """The speeds `sent`, or what is nearest to them of all that the chair, measured so, can have within `window` [s].
+
+    None sent: those measured.
+    """
+    if sent is None:
+        return measured
+    reach = [rate * window + _SPEED_MISMATCH for rate in (chair.limits.a_max, chair.limits.alpha_max)]
+    v, omega = (min(max(s, m - r), m + r) for s, m, r in zip(sent, measured, reach, strict=True))
+    return v, omega

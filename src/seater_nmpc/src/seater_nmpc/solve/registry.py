@@ -9,9 +9,8 @@ from seater_nmpc.solve.interface import Solver
 from seater_nmpc.solve.ipopt import DefaultIpoptSolver, IpoptSolver
 from seater_nmpc.solve.rti import RtiSolver
 
-SOLVERS: dict[str, type[Solver]] = {
-    solver.name: solver for solver in (IpoptSolver, DefaultIpoptSolver, FatropSolver, RtiSolver)
-}
+_ALL: tuple[type[Solver], ...] = (IpoptSolver, DefaultIpoptSolver, FatropSolver, RtiSolver)
+SOLVERS = {solver.name: solver for solver in _ALL}
 
 
 def make_solver(problem: Problem, parameters: ControlParameters) -> Solver:
