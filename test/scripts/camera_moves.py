@@ -28,8 +28,8 @@ SIZE, FINE = 0.1, 4  # [m] side of marker 0; samples across a pixel
 
 
 def image(distance: float, bearing: float, yaw: float = 0.0) -> np.ndarray:
-    """Marker 0 at the camera's height, `distance` [m] ahead and turned by `yaw` [rad], seen by a camera that is turned left by
-    `bearing` [rad]."""
+    """Marker 0 at the camera's height, `distance` [m] ahead and turned by `yaw` [rad], seen by a camera that is turned
+    left by `bearing` [rad]."""
     dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
     sheet = cv2.copyMakeBorder(cv2.aruco.drawMarker(dictionary, 0, 240), 40, 40, 40, 40, cv2.BORDER_CONSTANT, value=255)
     half = 0.5 * SIZE * 320 / 240
@@ -129,8 +129,8 @@ class CameraMoves(unittest.TestCase):
         return answer
 
     def turn(self, start: float, with_odometry: bool) -> int:
-        """Two images; between them the chair turns by 0.25 rad (160 px, far beyond the track's margin). How many searches
-        of the whole image that took."""
+        """Two images; between them the chair turns by 0.25 rad (160 px, far beyond the tracker's margin). How many
+        searches of the whole image that took."""
         before = self.counted("full searches since start")
         for t, heading in ((start, 0.0), (start + 0.5, 0.25)):
             if with_odometry:

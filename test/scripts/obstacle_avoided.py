@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Docks round an obstacle beside the straight way; the TRUE final error is small, nothing was touched, the chair stands."""
+"""Docks round an obstacle beside the straight way; the TRUE final error is small, nothing was touched, the chair
+stands."""
 
 import math
 import sys
@@ -26,12 +27,14 @@ class ObstacleAvoided(DockingCase):
         outline = np.array(obstacle["outline"]).reshape(-1, 2)
         self.start()
         start = np.array(self.truth[-1][1:4])
-        straight = [start + share * ([self.dock.predock_x, 0.0, 0.0] - start) for share in np.linspace(0.0, 1.0, 50)]
-        self.assertLess(min(self.gap(pose, outline) for pose in straight), 0.0, "the straight way is free already")
+        straight = [
+            start + fraction * ([self.dock.predock_x, 0.0, 0.0] - start) for fraction in np.linspace(0.0, 1.0, 50)
+        ]
+        self.assertLess(min(self.distance(pose, outline) for pose in straight), 0.0, "the straight way is free already")
         result = self.result()
         self.assertEqual(result.result_code, DockResult.SUCCESS, result.result_text)
         distance, heading = self.final_error()
-        nearest = min(self.gap(row[1:4], outline) for row in self.truth)
+        nearest = min(self.distance(row[1:4], outline) for row in self.truth)
         text = "true final error %.2f mm, %.3f deg, nearest to the obstacle %.3f m, %d retries"
         rospy.loginfo(text, 1e3 * distance, math.degrees(heading), nearest, result.num_retries)
         self.assertLessEqual(distance, LARGEST_DISTANCE)
@@ -41,7 +44,7 @@ class ObstacleAvoided(DockingCase):
         self.assert_standing()
         self.assert_commands_within_limits()
 
-    def gap(self, pose: list[float], outline: np.ndarray) -> float:
+    def distance(self, pose: list[float], outline: np.ndarray) -> float:
         return polygon_distance(self.chair.corners_at(pose), outline)
 
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""An obstacle leaves no way into the bay: the goal ends with FAILED_TO_STAGE, the chair stands and has touched nothing."""
+"""An obstacle leaves no way into the bay: the goal ends with FAILED_TO_STAGE, the chair stands and has touched
+nothing."""
 
 import sys
 

@@ -78,7 +78,7 @@ class ReplayEqualsLive(unittest.TestCase):
     def assert_shadow_controller_ran(self, results: Path) -> None:
         summary = json.loads((results / "summary.json").read_text())
         self.assertGreater(summary["detection_rate"], 0.95)
-        self.assertEqual(summary["obstacle_messages"], 1, "the docking node was not told of the obstacle in the bag")
+        self.assertEqual(summary["obstacle_messages"], 1, "the docking node did not hear of the obstacle in the bag")
         self.assertGreater(summary["shadow_controller"]["cycles"], 50)
         self.assertGreater(summary["shadow_controller"]["v_max"], 0.05)
 

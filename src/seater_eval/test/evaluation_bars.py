@@ -3,8 +3,8 @@
 
 usage: evaluation_bars.py COMMAND FOLDER
 
-Writes FOLDER/COMMAND.json (by the command itself), its figures, and FOLDER/evaluation-COMMAND.xml. Exits with 0 when every
-bar is met or cannot be decided, and the command's own exit code says the same.
+Writes FOLDER/COMMAND.json (by the command itself), its figures, and FOLDER/evaluation-COMMAND.xml. Exits with 0 when
+every bar is met or cannot be decided, and the command's own exit code says the same.
 """
 
 from __future__ import annotations

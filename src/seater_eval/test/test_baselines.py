@@ -43,7 +43,8 @@ def test_do_mpc_reaches_the_dock_in_free_space() -> None:
 
 
 def test_do_mpc_has_the_same_problem_as_the_docking_controller() -> None:
-    """Walls, bay speed and penalty included: the two drive the same way, but for the field of view, which is easy here."""
+    """Walls, bay speed and penalty included: the two drive the same way, but for the field of view, which is easy
+    here."""
     parameters = dataclasses.replace(ControlParameters(), horizon=12, control_period=0.1)
     start, loops = (-1.1, 0.05, 0.02), []
     for controller in (DoMpc(CHAIR, DOCK, parameters), Nmpc(CHAIR, DOCK, parameters, "ipopt")):

@@ -5,15 +5,11 @@ import numpy as np
 import pytest
 
 from seater_common.geometry import clearance
+from seater_eval.control.campaign_cases import draw_cases
 from seater_eval.control.campaign_report import describe_campaign, draw_campaign
-from seater_eval.control.campaign_run import DockingRun, figures
-from seater_eval.control.controller_campaign import (
-    CampaignJob,
-    campaign_bars,
-    draw_cases,
-    run_campaign_job,
-    summarize_runs,
-)
+from seater_eval.control.campaign_run import DockingRun, run_values
+from seater_eval.control.campaign_summary import campaign_bars, summarize_runs
+from seater_eval.control.controller_campaign import CampaignJob, run_campaign_job
 from seater_eval.control.docking_table import TABLE_II, table_bars
 from seater_eval.control.pose_noise import DockSensor, NoiseModel
 from seater_eval.control.solver_benchmark import benchmark_bars
@@ -124,7 +120,7 @@ def test_a_chair_that_leaves_limits_and_view_is_caught(setup: Setup) -> None:
         run.simulator.command(0.0, 0.0)
         run.simulator.step()
     trajectory = run.run(longest=0.05)
-    assert figures(run, trajectory, case)["limits_violated"]
+    assert run_values(run, trajectory, case)["limits_violated"]
 
 
 def synthetic_run(**changes: object) -> dict:
@@ -184,7 +180,7 @@ def test_slow_or_too_few_runs_fail() -> None:
     assert all_met(campaign_bars(unseen, False))  # only runs that started in view count
 
 
-def test_image_of_the_campaign(tmp_path: Path, setup: Setup) -> None:
+def test_figure_of_the_campaign(tmp_path: Path, setup: Setup) -> None:
     runs = [synthetic_run(), synthetic_run(docked=False, docking_time_s=None, minimum_time_s=None)]
     data = {"summary": summarize_runs(runs), "runs": runs, "conditions": {"obstacles": "none", "solver": "x"}}
     draw_campaign(data, setup.dock, setup.chair, tmp_path / "c.png")

@@ -6,7 +6,8 @@ import pytest
 from seater_common.geometry import Chair, Dock, clearance
 from seater_common.se2 import arc_step
 from seater_eval.baselines.closed_loop import run_perfect
-from seater_eval.baselines.minimum_time import MinimumTime, arrival_speeds, profile_time, straight_line_bound
+from seater_eval.baselines.minimum_time import MinimumTime, profile_time, straight_line_bound
+from seater_eval.baselines.minimum_time_programme import arrival_speeds
 from seater_eval.baselines.pbvs import Pbvs
 
 CHAIR, DOCK = Chair(), Dock()

@@ -1,4 +1,5 @@
-"""What the observer of the chair's motion gains on seater_sim's plant and odometry, where it counts: when the command acts."""
+"""What the observer of the chair's motion gains on seater_sim's plant and odometry, where it counts: when the command
+acts."""
 
 import math
 from pathlib import Path

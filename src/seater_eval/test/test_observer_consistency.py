@@ -1,10 +1,10 @@
 """Whether the observer's covariance is that of its errors: 200 approaches, normalised estimation error squared (NEES).
 
 Each run drives a smooth way to the dock, with the drifting odometry of config/simulator.yaml and with images as
-pose_noise makes them, late and at times out of order, some runs with a stretch without any. The error is that of the dock
-in odom given the odometry's pose: it is what the controller gets, the dock as seen from the chair. If the filter is
-consistent, the sum of e' P^-1 e over the runs is chi-square with 3 * RUNS degrees of freedom at every time (Bar-Shalom, Li and
-Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 5.4).
+pose_noise makes them, late and at times out of order, some runs with a stretch without any. The error is that of the
+dock in odom given the odometry's pose: it is what the controller gets, the dock as seen from the chair. If the filter
+is consistent, the sum of e' P^-1 e over the runs is chi-square with 3 * RUNS degrees of freedom at every time
+(Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 5.4).
 """
 
 import math
@@ -35,7 +35,8 @@ STEP = 0.04  # [s] between two odometry messages
 STAND = 0.8  # [s] before and after driving
 SPEED = 0.45  # [m/s] mean
 BLIND_SHARE = 0.5  # of the runs
-# Slices: share of the time driven; besides, 0.4 s and 0.8 s after the chair has come to rest, and end of the blind stretch.
+# Slices: share of the time driven; besides, 0.4 s and 0.8 s after the chair has come to rest, and end of the blind
+# stretch.
 SHARES = np.linspace(0.0, 1.0, 14)
 RESTING = len(SHARES) + 1  # the later one of those at rest
 
@@ -168,8 +169,8 @@ def test_a_wrong_covariance_is_noticed(setup: Setup, sensor: DockSensor) -> None
 def test_nees_with_what_calibration_leaves(setup: Setup, sensor: DockSensor) -> None:
     """The parameters of controller.yaml as they are; in each run the markers are displaced as these say.
 
-    The displacement is the same in all slices of a run, so they are in or out of their bounds nearly together: the last one
-    is judged by the 95 % bounds, all by the 99.9 % bounds.
+    The displacement is the same in all slices of a run, so they are in or out of their bounds nearly together: the last
+    one is judged by the 95 % bounds, all by the 99.9 % bounds.
     """
     runs = 50
     means = mean_errors(setup, sensor, setup.parameters.observer, runs, bias=True)

@@ -16,7 +16,8 @@ from seater_eval.perception.images.negatives import KINDS, OTHER_IDS, negative
 from seater_eval.perception.images.render import Print, clean_image, corners_of, exposed
 from seater_eval.perception.images.scenes import facing, normal_error, normalised_error_squared, pose_error, upright
 from seater_eval.perception.peers import PEERS, dictionary_of, make_peer
-from seater_eval.perception.range import PAPER, range_bars
+from seater_eval.perception.range import range_bars
+from seater_eval.perception.range_jobs import PAPER
 from seater_eval.perception.shadows import ShadowJob, shadow_bars, shadow_image
 from seater_eval.perception.speed import speed_bars
 from seater_eval.run.parallel import job_seed
@@ -61,7 +62,8 @@ def test_everyone_speaks_our_conventions(name: str) -> None:
 
 @pytest.mark.parametrize("image", [100, 147, 152, 249])
 def test_small_frontal_marker_keeps_both_branches(image: int) -> None:
-    """The corners of these leave one pose, or the fit goes over to the other one: the true one still has to be there."""
+    """The corners of these leave one pose, or the fit goes over to the other one: the true one still has to be
+    there."""
     random = np.random.default_rng(job_seed(777, image))
     pose = upright(2.84, 0.0, random)
     shown = exposed(clean_image([Print(subject.DICTIONARY, 0, 0.1, pose)], CAMERA), CAMERA.noise_sd, random)

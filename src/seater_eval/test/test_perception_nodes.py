@@ -1,4 +1,5 @@
-"""The perception commands refuse a wrong configuration. Their --quick versions run in `./seater test`, stage `evaluation`."""
+"""The perception commands refuse a wrong configuration. Their --quick versions run in `./seater test`, stage
+`evaluation`."""
 
 import os
 import subprocess

@@ -11,7 +11,7 @@ import pytest
 from seater_common.params import ParameterError
 from seater_eval.perception.images.bound import cramer_rao
 from seater_eval.perception.images.degraded_camera import DegradedCamera, load_degraded_camera
-from seater_eval.perception.images.render import Print, box_of, clean_image, corners_of, exposed, moved, white_share
+from seater_eval.perception.images.render import Print, box_of, clean_image, corners_of, exposed, moved, white_fraction
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 CAMERA = DegradedCamera(640, 480, 600.0, 1.0, 3.0, 40.0, 215.0, 150.0, 1.0)
@@ -30,7 +30,7 @@ def facing(x: float, y: float, z: float, yaw: float = 0.0, roll: float = 0.0) ->
 def test_converges_with_the_sampling(pose: np.ndarray) -> None:
     print_ = Print("DICT_4X4_50", 7, 0.1, pose)
     box = box_of(print_, CAMERA, 1.0, 5.0)
-    default, finest = (white_share(print_, CAMERA, box, samples=s) for s in (None, 24))
+    default, finest = (white_fraction(print_, CAMERA, box, samples=s) for s in (None, 24))
     assert np.abs(default - finest).max() < 0.002  # of full contrast: 0.35 grey levels
 
 
@@ -39,7 +39,7 @@ def test_pixel_convention() -> None:
     print_ = Print("DICT_4X4_50", 7, 0.1, facing(0.0123, -0.0231, 0.6))
     corners = corners_of(print_, CAMERA.K)
     box = box_of(print_, CAMERA, 1.0, 3.0)
-    share = white_share(print_, CAMERA, box)
+    share = white_fraction(print_, CAMERA, box)
     row = share[round(corners[0, 1] - box[1]) + 8]  # within the black border's top row of cells
     column = share[:, round(corners[0, 0] - box[0]) + 8]
     for line, expected in ((row, corners[0, 0] - box[0]), (column, corners[0, 1] - box[1])):
@@ -52,7 +52,7 @@ def test_blurred_edge_is_the_error_function() -> None:
     print_ = Print("DICT_4X4_50", 7, 0.2, facing(0.0, 0.0, 0.4))
     box = box_of(print_, CAMERA, 1.0, 3.0)
     left = corners_of(print_, CAMERA.K)[0, 0]
-    row = white_share(print_, CAMERA, box)[round(corners_of(print_, CAMERA.K)[0, 1] - box[1]) + 20]
+    row = white_fraction(print_, CAMERA, box)[round(corners_of(print_, CAMERA.K)[0, 1] - box[1]) + 20]
     for u in range(round(left) - 4, round(left) + 5):
         # mean over the pixel of the normal distribution function, by the midpoint rule
         inside = [0.5 * math.erfc((u - 0.5 + (k + 0.5) / 50 - left) / math.sqrt(2.0)) for k in range(50)]
@@ -63,8 +63,8 @@ def test_motion_widens_along_its_path_only() -> None:
     print_ = Print("DICT_4X4_50", 7, 0.2, facing(0.0, 0.0, 0.4))
     box = box_of(print_, CAMERA, 1.0, 8.0)
     corner = corners_of(print_, CAMERA.K)[0]
-    moving = white_share(print_, CAMERA, box, motion=(6.0, 0.0))
-    still = white_share(print_, CAMERA, box)
+    moving = white_fraction(print_, CAMERA, box, motion=(6.0, 0.0))
+    still = white_fraction(print_, CAMERA, box)
     row, column = round(corner[1] - box[1]) + 20, round(corner[0] - box[0]) + 20
     width = [1.0 / np.abs(np.diff(image[row, :column])).max() for image in (still, moving)]
     assert width[1] == pytest.approx(6.0, rel=0.05)
@@ -89,13 +89,13 @@ def test_bound_is_the_spread_of_least_squares() -> None:
     """Maximum likelihood, one linear step from the truth, on 200 noisy images: its covariance is the bound's."""
     print_ = Print("DICT_4X4_50", 7, 0.1, facing(0.02, 0.01, 0.8, 0.4, 0.2))
     camera = replace(CAMERA, noise_sd=3.0)
-    C = cramer_rao(print_, camera, blur=0, slope=False)
+    C = cramer_rao(print_, camera, psf=0, slope=False)
     box = box_of(print_, camera, 1.0, 1.0)
     black, white, _ = camera.levels
     steps = np.array([5e-5, 5e-5, 5e-4, 5e-3, 5e-3, 2e-3])  # other steps and sampling than the bound takes
 
     def grey(change: np.ndarray) -> np.ndarray:
-        share = white_share(moved(print_, change), camera, box, samples=7, endless_paper=True)
+        share = white_fraction(moved(print_, change), camera, box, samples=7, endless_paper=True)
         return (black + (white - black) * share).ravel()
 
     J = [(grey(step * e) - grey(-step * e)) / (2 * step) for step, e in zip(steps, np.eye(6), strict=True)]
@@ -112,9 +112,9 @@ def test_bound_is_the_spread_of_least_squares() -> None:
 
 def test_bound_grows_with_unknowns_and_noise() -> None:
     print_ = Print("DICT_4X4_50", 7, 0.1, facing(0.02, 0.01, 0.8, 0.4, 0.2))
-    full, less = cramer_rao(print_, CAMERA), cramer_rao(print_, CAMERA, blur=0, slope=False)
+    full, less = cramer_rao(print_, CAMERA), cramer_rao(print_, CAMERA, psf=0, slope=False)
     assert np.all(np.diag(full) >= np.diag(less) * (1 - 1e-9))
-    directed = cramer_rao(print_, CAMERA, blur=3)
+    directed = cramer_rao(print_, CAMERA, psf=3)
     assert np.all(np.diag(directed) >= np.diag(full) * (1 - 1e-3))
     assert np.all(np.diag(directed) <= 1.5 * np.diag(full))
     noisy = cramer_rao(print_, replace(CAMERA, noise_sd=6.0))

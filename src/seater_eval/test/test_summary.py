@@ -106,7 +106,7 @@ def test_pose_at_interpolates_across_the_wrap() -> None:
     assert abs(heading) == pytest.approx(math.pi)
 
 
-def test_the_image_is_drawn(tmp_path) -> None:
+def test_the_figure_is_drawn(tmp_path) -> None:
     run = straight_run()
     draw_docking(run, summarize(run, Dock(), Chair()), Dock(), Chair(), tmp_path / "trajectory.png")
     assert (tmp_path / "trajectory.png").stat().st_size > 20_000

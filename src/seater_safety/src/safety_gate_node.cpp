@@ -1,9 +1,9 @@
 // ROS shell of the velocity gate. Topics (relative):
-//   in   velocity_request (geometry_msgs/TwistStamped), user_cmd_vel (geometry_msgs/Twist), emergency_stop
-//   (std_msgs/Bool) out  cmd_vel (geometry_msgs/Twist) and cmd_vel_stamped (geometry_msgs/TwistStamped, stamp of the
-//   request behind it)
-// One output follows each input; a timer goes on with the stop when inputs end. All callbacks run in one thread.
-// Time is ROS time, so that a simulation in lock-step behaves the same however slow the machine is.
+//   in   velocity_request (geometry_msgs/TwistStamped), user_cmd_vel (geometry_msgs/Twist),
+//        emergency_stop (std_msgs/Bool)
+//   out  cmd_vel (geometry_msgs/Twist), cmd_vel_stamped (geometry_msgs/TwistStamped, with the request's stamp)
+// One output follows each input; a timer continues to brake when inputs end. All callbacks run in one thread.
+// Time is ROS time, so that a simulation in lock-step does not depend on the speed of the machine.
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <geometry_msgs/Twist.h>
 #include <geometry_msgs/TwistStamped.h>
@@ -55,7 +55,7 @@ class SafetyGateNode {
     updater_.add("velocity gate", this, &SafetyGateNode::diagnose);
   }
 
-  // The last thing that goes out is zero, whatever was going on.
+  // The last message is a zero velocity.
   void stop() {
     command_.publish(geometry_msgs::Twist());
     geometry_msgs::TwistStamped stamped;
@@ -82,7 +82,7 @@ class SafetyGateNode {
     publish(ros::Time::now().toSec());
   }
 
-  // While requests are fresh they pace the output; the timer serves only what is left over when they end.
+  // Recent requests set the pace of the output; the timer takes over when they end.
   void onTimer(const ros::TimerEvent&) {
     const double now = ros::Time::now().toSec();
     updater_.update();
@@ -132,7 +132,7 @@ class SafetyGateNode {
 int main(int argc, char** argv) {
   ros::init(argc, argv, "safety_gate", ros::init_options::NoSigintHandler);
   ros::NodeHandle private_handle("~");
-  // The node's own handler lets the last zero out before the connections close.
+  // The node's own handler, because ROS's closes the connections before the last zero is sent.
   static volatile std::sig_atomic_t interrupted = 0;
   std::signal(SIGINT, [](int) { interrupted = 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });

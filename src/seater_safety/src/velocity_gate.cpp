@@ -10,17 +10,17 @@
 namespace seater_safety {
 namespace {
 
-// The gate may be asked rarely; a longer pause must not turn into a jump of speed.
+// Longest time for which the speed may change in one call: a pause must not become a jump of speed.
 constexpr double kLongestStep = 0.1;  // [s]
 
-// A clock that is behind by no more has not jumped: it is late.
+// A smaller step backward of the clock is lateness of a message, not a jump.
 constexpr double kLateness = 0.25;  // [s]
 
 bool finite(const Velocity& velocity) {
   return std::isfinite(velocity.linear) && std::isfinite(velocity.angular);
 }
 
-// One step from `last` towards `wanted`: slower towards larger speeds than towards zero.
+// One step from `last` towards `wanted`, of at most `faster` away from zero or `slower` towards it.
 double approach(double last, double wanted, double faster, double slower) {
   // Crossing zero stops at zero first: beyond it the other limit applies.
   if (last > 0.0 && wanted < 0.0) return std::max(0.0, last - slower);

@@ -16,9 +16,9 @@ IDEAL = CameraSettings(blur_sd=0.0, noise_sd=0.0, vignetting=0.0, exposure=0.0)
 DICTIONARY = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
 
 
-# An estimator of edges that is independent of the renderer: the part of a column of pixels that is white, summed from inside
-# the sheet's white margin to inside the print's black border, is exactly where the edge is (on average over the pixel's
-# width), if a pixel is the mean of the light over its square.
+# An estimator of edges that is independent of the renderer: the part of a column of pixels that is white, summed from
+# inside the sheet's white margin to inside the print's black border, is exactly where the edge is (on average over the
+# pixel's width), if a pixel is the mean of the light over its square.
 
 
 def edge_points(image: np.ndarray, corners: np.ndarray, side: int, reach: float) -> np.ndarray:

@@ -13,7 +13,10 @@ STEP = 10_000_000  # [ns]
 UNLIMITED = Limits(v_max=3.0, v_reverse_max=3.0, omega_max=4.0, a_max=5.0, alpha_max=10.0)
 
 
-def make(limits: Limits = Limits(), pose: tuple[float, float, float] = (0.0, 0.0, 0.0), **changes: float) -> Plant:  # noqa: B008
+LIMITS = Limits()
+
+
+def make(limits: Limits = LIMITS, pose: tuple[float, float, float] = (0.0, 0.0, 0.0), **changes: float) -> Plant:
     return Plant(PlantSettings(**({"command_delay": 0.0, "command_timeout": 100.0} | changes)), limits, pose)
 
 

@@ -13,7 +13,8 @@ FLAT = np.full((720, 1280), 120, np.uint8)
 
 
 def settings(**changes: float) -> CameraSettings:
-    return CameraSettings(**({"blur_sd": 0.0, "noise_sd": 0.0, "vignetting": 0.0, "exposure": 0.0} | changes))  # type: ignore[arg-type]
+    ideal = {"blur_sd": 0.0, "noise_sd": 0.0, "vignetting": 0.0, "exposure": 0.0}
+    return CameraSettings(**(ideal | changes))  # type: ignore[arg-type]
 
 
 def step_of(profile: np.ndarray) -> tuple[float, float]:

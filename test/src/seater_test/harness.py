@@ -91,6 +91,6 @@ class DockingCase(unittest.TestCase):
 
 def travelled(truth: list[list[float]], since: float) -> Any:
     """Driven way [m] after a time, cumulative: arrays of time and way."""
-    track = np.array([row for row in truth if row[0] >= since])
-    steps = np.linalg.norm(np.diff(track[:, 1:3], axis=0), axis=1)
-    return track[:, 0], np.concatenate([[0.0], np.cumsum(steps)])
+    driven = np.array([row for row in truth if row[0] >= since])
+    steps = np.linalg.norm(np.diff(driven[:, 1:3], axis=0), axis=1)
+    return driven[:, 0], np.concatenate([[0.0], np.cumsum(steps)])

@@ -1,8 +1,8 @@
-// The last gate before the motors, free of ROS.
+// The last gate before the motors, without ROS.
 //
-// Whatever comes in, what goes out is finite, within the limits of speed and acceleration, and zero when nobody who is
-// allowed to ask has asked recently. Times are seconds of one clock; where it jumps backward, all that was asked for
-// before is forgotten. Speeds are m/s and rad/s in base_link (x forward, anticlockwise positive).
+// The output is always finite and within the limits of speed and acceleration. It goes to zero when there is no recent
+// request from the docking controller or the joystick. Times are seconds of one clock; a jump backward discards all
+// earlier requests. Speeds are m/s and rad/s in base_link (x forward, anticlockwise positive).
 #pragma once
 
 #include <string>
@@ -14,19 +14,19 @@ struct Velocity {
   double angular = 0.0;  // [rad/s] anticlockwise
 };
 
-// What the gate lets through. Every value is positive and finite; `check` says what is wrong otherwise.
+// Limits and time-outs of the gate. Every value must be positive and finite (see `check`).
 struct GateParameters {
   double v_max = 0.6;             // [m/s] forward
   double v_reverse_max = 0.3;     // [m/s] backward
   double omega_max = 0.8;         // [rad/s] both ways
   double a_max = 0.5;             // [m/s^2] speeding up
   double alpha_max = 1.0;         // [rad/s^2] turning faster
-  double a_stop = 1.5;            // [m/s^2] slowing down; larger than a_max, so that a stop is never delayed by comfort
+  double a_stop = 1.5;            // [m/s^2] slowing down; larger than a_max: a stop may be harder than comfortable
   double alpha_stop = 3.0;        // [rad/s^2] slowing the turn down
-  double request_timeout = 0.25;  // [s] an older request counts as none
-  double user_timeout = 0.5;      // [s] the joystick rules this long after it was last moved
+  double request_timeout = 0.25;  // [s] an older request is ignored
+  double user_timeout = 0.5;      // [s] the joystick has precedence for this long after its last command
 
-  // Empty when all is well, else the name of the first wrong value, what it is and what is allowed.
+  // Empty when all values are valid, else name and value of the first wrong one and what is allowed.
   std::string check() const;
 };
 
@@ -39,25 +39,25 @@ class VelocityGate {
   // Throws std::invalid_argument with the text of GateParameters::check.
   explicit VelocityGate(const GateParameters& parameters);
 
-  // The time [s] at which a request counts as made: `now`, or its stamp where that is a little later. Simulated time
-  // and a request stamped with it come on two connections, and which is read first is up to the machine; with the stamp
-  // the gate does the same either way. A stamp far in the future is not believed.
+  // The time [s] of a request: `now`, or its stamp where that is a little later. Simulated time and a request stamped
+  // with it arrive on two connections in either order; with the stamp the output does not depend on the order. A stamp
+  // far in the future is ignored.
   static double requestTime(double now, double stamp);
 
-  // The docking controller asks. A request that is not finite is refused: it counts as a request for zero.
+  // A request of the docking controller. One that is not finite is refused and counts as a request for zero.
   void request(double now, const Velocity& velocity);
-  // The person in the seat moves the joystick: this has precedence while it is fresh. Not finite: refused, as above.
+  // A joystick command of the person in the seat; it has precedence while it is recent. Not finite: refused, as above.
   void user(double now, const Velocity& velocity);
-  // While pressed, zero is asked for, whatever else comes in.
+  // While pressed, the requested velocity is zero.
   void emergencyStop(bool pressed) { emergency_stop_ = pressed; }
 
-  // What goes to the motors now. To be called after each request and, when none comes, at a steady rate.
+  // The velocity for the motors at `now` [s]. To be called after each request and at a steady rate without requests.
   Velocity output(double now);
 
   GateState state() const { return state_; }
   // Requests that were not finite, since the start.
   unsigned refused() const { return refused_; }
-  // Outputs that differ from what was asked for because of a limit of speed, since the start.
+  // Outputs that differ from the request because of a speed limit, since the start.
   unsigned limited() const { return limited_; }
 
  private:

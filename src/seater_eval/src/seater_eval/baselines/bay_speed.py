@@ -29,5 +29,5 @@ class SlowInBay:
         reach = float(np.max(self._chair.corners_at(T_dock_base)[:, 0]))
         left = max(0.0, self._entrance - reach - self.period * limits.v_max)
         allowed = math.sqrt(limits.v_bay_max**2 + 2.0 * limits.a_max * left)
-        share = min(1.0, allowed / abs(v)) if v != 0.0 else 1.0
-        return share * v, share * omega
+        factor = min(1.0, allowed / abs(v)) if v != 0.0 else 1.0
+        return factor * v, factor * omega

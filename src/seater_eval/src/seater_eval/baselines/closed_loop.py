@@ -53,8 +53,8 @@ def run_perfect(
 ) -> Trajectory:
     """The closed loop from rest at `start` (x, y, heading in the dock's frame), for `duration` [s] of simulated time.
 
-    The speeds of a cycle hold until the next one. `accelerations`: whether the acceleration limits are applied to what the
-    controller asks for. `until`: ends the run early (given pose and speeds).
+    The speeds of a cycle hold until the next one. `accelerations`: whether the acceleration limits are applied to what
+    the controller asks for. `until`: ends the run early (given pose and speeds).
     """
     controller.reset()
     pose, speed, period = np.asarray(start, dtype=float), (0.0, 0.0), controller.period

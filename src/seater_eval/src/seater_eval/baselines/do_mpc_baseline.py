@@ -1,9 +1,9 @@
 """The docking problem of seater_nmpc (docs/explanation/controller.md) put together with do-mpc, as its users would.
 
-Same augmented state, arc step, stage cost, exact terminal penalty and limits; the bay's walls as soft constraints with one
-separating angle each, the bay's speed limit with a braking curve. do-mpc knows no variables without dynamics, so the
-terminal penalty's slacks and the angles are inputs: t_k >= |pose_{k+1}|, and only the last one is priced (through a state
-that remembers it). Not in it: the field of view. do-mpc solves with Ipopt, here with Ipopt's default options.
+Same augmented state, arc step, stage cost, exact terminal penalty and limits; the bay's walls as soft constraints with
+one separating angle each, the bay's speed limit with a braking curve. do-mpc knows no variables without dynamics, so
+the terminal penalty's slacks and the angles are inputs: t_k >= |pose_{k+1}|, and only the last one is priced (through a
+state that remembers it). Not in it: the field of view. do-mpc solves with Ipopt, here with Ipopt's default options.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class DoMpc:
 
     def __init__(self, chair: Chair, dock: Dock | None, parameters: ControlParameters) -> None:
         """`dock`: its bay is respected (None: free space). Raises ImportError where do-mpc is not installed."""
-        with warnings.catch_warnings():  # it tells of optional packages that are not there
+        with warnings.catch_warnings():  # it warns of missing optional packages
             warnings.simplefilter("ignore")
             import do_mpc
         self._chair, self._dock, self._parameters = chair, dock, parameters
@@ -135,6 +135,6 @@ class DoMpc:
         reach = 0.5 * (front - rear) * c + 0.5 * (front + rear) * ca.sqrt(c**2 + 4e-4)
         left = bay.entrance_x - z[0] - reach - 0.5 * self._chair.width * ca.sqrt(s**2 + 4e-4)
         allowed = allowed_speed(left, limits, p.bay_deceleration)
-        price = p.step * p.weights.violation
+        penalty_weight = p.step * p.weights.violation
         for name, expression in (("areas", ca.vertcat(*outside)), ("bay", ca.vertcat(z[3] - allowed, -z[3] - allowed))):
-            mpc.set_nl_cons(name, expression, ub=0.0, soft_constraint=True, penalty_term_cons=price)
+            mpc.set_nl_cons(name, expression, ub=0.0, soft_constraint=True, penalty_term_cons=penalty_weight)

@@ -51,7 +51,7 @@ def _turns(start: Array) -> list[int]:
 
 
 def _vias(dock: Dock | None, start: Array) -> list[tuple[str, list[Array]]]:
-    """Points to drive through on the way to the dock: ahead of it, and behind the chair to make room for turning."""
+    """Points to drive through on the way to the dock: ahead of it, and behind the chair to gain space for turning."""
     ahead = (-1.2, -1.8) if dock is None else (dock.predock_x, 1.5 * dock.predock_x)
     routes: list[tuple[str, list[Array]]] = [("pbvs", []), ("park_kuipers", [])]
     routes += [(f"pbvs through {x:.1f} m", [np.array([x, 0.0, 0.0])]) for x in ahead]
@@ -84,8 +84,8 @@ def _arrived(pose: Array, speed: tuple[float, float]) -> bool:
 def _line(chair: Chair, dock: Dock | None, start: Array, turns: int) -> Guess:
     """Pose along a straight line, at a modest speed."""
     end = np.array([0.0, 0.0, 2.0 * math.pi * turns])
-    share = np.linspace(0.0, 1.0, 60)[:, None]
-    poses = start + share * (end - start)
+    fraction = np.linspace(0.0, 1.0, 60)[:, None]
+    poses = start + fraction * (end - start)
     duration = 2.0 + 2.0 * math.hypot(start[0], start[1]) / chair.limits.v_max
     states = np.column_stack([poses, np.full(60, 0.3 * chair.limits.v_max), np.zeros(60)])
     return _cut(chair, dock, "straight line", states, duration / 59.0)

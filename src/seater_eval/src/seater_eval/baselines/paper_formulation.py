@@ -18,8 +18,8 @@ from seater_nmpc.parameters import ControlParameters
 class PaperFormulation:
     """The paper's formulation (F1, F2, no acceleration limits, Euler step) with Ipopt's default options, in free space.
 
-    Algorithm 1: measure, solve, apply the first input. Each solve begins with the last solution moved on by one step, at the
-    start of a run with standing still.
+    Algorithm 1: measure, solve, apply the first input. Each solve begins with the last solution moved on by one step,
+    at the start of a run with standing still.
     """
 
     name = "paper_formulation"

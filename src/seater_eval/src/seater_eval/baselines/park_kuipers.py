@@ -6,9 +6,9 @@ With r, theta, delta from `polar` (eq. 8, 14 and 15 of the paper):
     kappa = -1/r [k2 (delta - atan(-k1 theta)) + (1 + k1 / (1 + (k1 theta)^2)) sin delta]
     v = v_max / (1 + beta |kappa|^lambda),   omega = kappa v
 
-The law steers along a slow manifold and says nothing about stopping: like its users it drives slower near the target, here
-along the curve from which the chair can just brake (v^2 <= 2 a r), and it stops inside `stop_distance`, where the line of
-sight loses its meaning.
+The law steers along a slow manifold and says nothing about stopping: like its users it drives slower near the target,
+here along the curve from which the chair can just brake (v^2 <= 2 a r), and it stops inside `stop_distance`, where the
+line of sight loses its meaning.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class ParkKuipersGains:
     k2: float = 2.0  # how fast the heading goes to its manifold
     beta: float = 0.4  # how much curvature costs speed [m^lambda]
     exponent: float = 2.0  # lambda
-    braking: float = 0.5  # share of a_max with which the speed falls towards the target
+    braking: float = 0.5  # fraction of a_max with which the speed falls towards the target
     stop_distance: float = 0.001  # [m]
 
 

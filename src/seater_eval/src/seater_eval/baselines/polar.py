@@ -16,8 +16,8 @@ from seater_common.se2 import wrap_angle
 class Polar:
     """Line of sight from base_link to the docking pose: distance, and the two headings measured from it.
 
-    In Park and Kuipers' letters r, theta (heading of the target) and delta (heading of the vehicle); in those of Siegwart and
-    Nourbakhsh rho, alpha = -delta and beta = theta.
+    In Park and Kuipers' letters r, theta (heading of the target) and delta (heading of the vehicle); in those of
+    Siegwart and Nourbakhsh rho, alpha = -delta and beta = theta.
     """
 
     distance: float  # [m]

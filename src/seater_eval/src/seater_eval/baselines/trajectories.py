@@ -1,4 +1,4 @@
-"""What a closed loop leaves behind, and the figures of it that the evaluation compares."""
+"""The record of a closed loop, and what the evaluation compares of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The campaign for a person: a table and an image."""
+"""The campaign for a person: a table and a figure."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _DOCKED, _FAILED = "#1f6fb4", "#c03030"
 
 
 def describe_campaign(data: dict[str, Any]) -> str:
-    """Figures over all runs, and the runs that did not dock."""
+    """Statistics over all runs, and the runs that did not dock."""
     s = data["summary"]
     rows = [_spread_row("true position error [mm]", s["position_error_mm"])]
     rows.append(_spread_row("true heading error [deg]", s["heading_error_deg"]))
@@ -50,8 +50,9 @@ def describe_campaign(data: dict[str, Any]) -> str:
 
 def _complaint(run: dict[str, Any]) -> str:
     x, y, heading = run["start"]
+    start = f"({x:.2f} m, {y:.2f} m, {np.degrees(heading):.0f} deg)"
     return (
-        f"run {run['index']} from ({x:.2f} m, {y:.2f} m, {np.degrees(heading):.0f} deg): {run['result']} {run['text']}, "
+        f"run {run['index']} from {start}: {run['result']} {run['text']}, "
         f"{1e3 * run['position_error_m']:.1f} mm, collisions {run['collisions']}, "
         f"too fast in the bay by {1e3 * run['excess_bay_speed']:.1f} mm/s"
     )
@@ -94,9 +95,9 @@ def _draw_paths(axes: Axes, runs: list[dict[str, Any]], dock: Dock) -> None:
 
 
 def _draw_errors(axes: Axes, runs: list[dict[str, Any]]) -> None:
-    share = 100.0 * (np.arange(len(runs)) + 1) / len(runs)
-    axes.semilogx(np.sort([1e3 * run["position_error_m"] for run in runs]), share, label="position [mm]")
-    axes.semilogx(np.sort([run["heading_error_deg"] for run in runs]), share, label="heading [deg]")
+    percent = 100.0 * (np.arange(len(runs)) + 1) / len(runs)
+    axes.semilogx(np.sort([1e3 * run["position_error_m"] for run in runs]), percent, label="position [mm]")
+    axes.semilogx(np.sort([run["heading_error_deg"] for run in runs]), percent, label="heading [deg]")
     axes.plot([5.0], [95.0], "v", color="C0", label="bar, position")
     axes.plot([0.5], [95.0], "v", color="C1", label="bar, heading")
     axes.set(xlabel="true final error", ylabel="runs with at most this error [%]", title="Final error")

@@ -1,4 +1,5 @@
-"""One docking of the campaign: seater_sim's plant and odometry, seater_nmpc's observer and sequence, noisy poses. No ROS."""
+"""One docking of the campaign: seater_sim's plant and odometry, seater_nmpc's observer and sequence, noisy poses. No
+ROS."""
 
 from __future__ import annotations
 
@@ -163,7 +164,7 @@ class DockingRun:
         self._rows.append([elapsed, *truth.pose, truth.v, truth.omega])
 
 
-def figures(run: DockingRun, trajectory: Trajectory, case: Case) -> dict:
+def run_values(run: DockingRun, trajectory: Trajectory, case: Case) -> dict:
     """What the campaign keeps of a run."""
     truth, watch, result = run.simulator.truth, run.watch, run.result
     final = trajectory.poses[-1]
@@ -205,7 +206,8 @@ def figures(run: DockingRun, trajectory: Trajectory, case: Case) -> dict:
 def draw_start(
     chair: Chair, dock: Dock, sensor: DockSensor, clearance: Callable[[np.ndarray], float], rng: np.random.Generator
 ) -> tuple[float, float, float]:
-    """x -4..-1 m, y +-1.5 m, heading +-60 deg, so that a marker is found from there and nothing is nearer than 10 cm."""
+    """x -4..-1 m, y +-1.5 m, heading +-60 deg, so that a marker is found from there and nothing is nearer than 10
+    cm."""
     for _ in range(10000):
         heading = math.radians(rng.uniform(-60.0, 60.0))
         pose = np.array([rng.uniform(-4.0, -1.0), rng.uniform(-1.5, 1.5), heading])

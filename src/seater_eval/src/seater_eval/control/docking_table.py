@@ -1,4 +1,4 @@
-"""Table II of the paper (design, section 5): its figures, its formulation reproduced here, and seater's controller."""
+"""Table II of the paper (design, section 5): its results, its formulation reproduced here, and seater's controller."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ class TableJob:
 
 
 def paper_chair(chair: Chair) -> Chair:
-    """The chair with the forward speed limit both ways: two of the paper's poses lie ahead of its dock, and its errors are
-    those of mirror images, so its vehicle drives backward as well as forward."""
+    """The chair with the forward speed limit both ways: two of the paper's poses lie ahead of its dock, and its errors
+    are those of mirror images, so its vehicle drives backward as well as forward."""
     return replace(chair, limits=replace(chair.limits, v_reverse_max=chair.limits.v_max))
 
 
@@ -64,7 +64,7 @@ def run_table_job(job: TableJob) -> dict[str, Any]:
     accelerations = job.method != "paper_formulation"  # the paper's problem has none
     controller = _controller(job, chair, setup.dock, setup.parameters.control)
     run = run_perfect(controller, chair.limits, start, DURATION, model=euler_step, accelerations=accelerations)
-    return _figures(job, run)
+    return _run_values(job, run)
 
 
 def _controller(job: TableJob, chair: Chair, dock: Dock, parameters: ControlParameters) -> PoseController:
@@ -82,7 +82,7 @@ def _controller(job: TableJob, chair: Chair, dock: Dock, parameters: ControlPara
     return Nmpc(chair, dock, free)
 
 
-def _figures(job: TableJob, run: Trajectory) -> dict[str, Any]:
+def _run_values(job: TableJob, run: Trajectory) -> dict[str, Any]:
     position = np.hypot(run.poses[:, 0], run.poses[:, 1])
     heading = np.degrees(np.abs(run.poses[:, 2]))
     reached = np.flatnonzero((position > POSITION_LIMIT) | (heading > HEADING_LIMIT))
@@ -116,7 +116,7 @@ def run_table(config: str | Path, quick: bool) -> dict[str, Any]:
     conditions = {
         "model": "the paper's Euler step, dt = control period; perfect state; no areas",
         "duration_s": DURATION,
-        "limits": "of chair.yaml, v_max both ways; the paper's formulation without acceleration limits, N = 20, dt = 0.1 s",
+        "limits": "of chair.yaml, v_max both ways; the paper's: no acceleration limits, N = 20, dt = 0.1 s",
         "ipopt_iterations_of_the_paper": iterations or "default (3000)",
     }
     return {"quick": quick, "conditions": conditions, "published": published, "runs": rows}

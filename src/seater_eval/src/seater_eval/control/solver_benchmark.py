@@ -1,4 +1,5 @@
-"""Every solver and baseline in a closed loop into the bay: what a control cycle costs, and how that grows with the horizon."""
+"""Every solver and baseline in a closed loop into the bay: what a control cycle costs, and how that grows with the
+horizon."""
 
 from __future__ import annotations
 
@@ -22,9 +23,7 @@ from seater_eval.baselines.park_kuipers import ParkKuipers
 from seater_eval.baselines.pbvs import Pbvs
 from seater_eval.baselines.trajectories import Trajectory, quickest
 from seater_eval.report.bars import Bar
-from seater_eval.report.evaluation_style import COLOURS, figure, save
 from seater_eval.report.statistics import spread
-from seater_eval.report.tables import text_table
 from seater_eval.run.progress import progress_bar
 from seater_eval.run.setup_files import Setup, load_setup
 
@@ -72,8 +71,8 @@ def run_benchmark(config: str | Path, quick: bool) -> dict[str, Any]:
             "starts": starts,
             "longest_s": longest,
             "repeats": f"{repeats} of each loop, each cycle at the shortest of its times",
-            "problem": "config/controller.yaml: walls, bay speed, view, two obstacles (do_mpc: walls); no lag; N as in the row",
-            "times_are": "as called from Python: solver and whole cycle, wall time and processor time (cpu) of the thread",
+            "problem": "config/controller.yaml: walls, bay speed, view, two obstacles (do_mpc: walls); no lag",
+            "times_are": "called from Python: solver and whole cycle, wall time and processor time (cpu) of the thread",
             "bars_are_of": "the solver's processor time, which other load on the machine does not change",
             "cores": os.cpu_count(),
             "load_average": os.getloadavg(),
@@ -149,10 +148,10 @@ def _row(case: tuple[int, str], runs: list[Trajectory]) -> dict[str, Any]:
     }
 
 
-def _value(data: dict[str, Any], name: str, horizon: int, figure_of: str) -> float | None:
+def _value(data: dict[str, Any], name: str, horizon: int, statistic: str) -> float | None:
     for row in data["rows"]:
         if row["solver"] == name and row["horizon"] == horizon:
-            return row["solve_cpu_ms"][figure_of]
+            return row["solve_cpu_ms"][statistic]
     return None
 
 
@@ -172,52 +171,3 @@ def benchmark_bars(data: dict[str, Any]) -> list[Bar]:
         Bar(f"p99 of fatrop / p99 of rti, N = {N}", ratio(fatrop, ours), 3.0, "", "at least", note),
         Bar(f"growth of rti, N = {GROWTH[1]} / N = {GROWTH[0]}", growth, 4.4, "", "at most", note),
     ]
-
-
-def describe_benchmark(data: dict[str, Any]) -> str:
-    """One line for each method and horizon."""
-    head = ["solver", "N", "cycles", "median", "p99", "max", "cold", "cpu median", "cpu p99", "failed", "final error"]
-    rows = []
-    for row in sorted(data["rows"], key=lambda row: (row["horizon"], [*WANTED, *OTHERS].index(row["solver"]))):
-        solve = [_ms(row["solve_ms"][key]) for key in ("median", "p99", "max")]
-        cost = [_ms(row["solve_cpu_ms"][key]) for key in ("median", "p99")]
-        cells = [row["solver"], str(row["horizon"]), str(row["cycles"]), *solve, _ms(row["cold_ms"]["median"]), *cost]
-        rows.append([*cells, str(row["failures"]), f"{row['final_error_mm']:.2f} mm"])
-    missing = "".join(f"\n  The solver {name} is not available in seater_nmpc." for name in data["missing_solvers"])
-    return (
-        text_table(head, rows)
-        + "\n  Times in the solver in ms; cpu: on the processor, what the bars look at."
-        + missing
-    )
-
-
-def _ms(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3f}"
-
-
-def draw_benchmark(data: dict[str, Any], path: Path) -> Path:
-    """Cost over horizon, and the spread at the bar's horizon."""
-    fig, (growth, bars) = figure(2, width=7.0, height=5.5)
-    for name in WANTED:
-        rows = sorted((row for row in data["rows"] if row["solver"] == name), key=lambda row: row["horizon"])
-        if not rows:
-            continue
-        N = [row["horizon"] for row in rows]
-        growth.loglog(N, [row["solve_cpu_ms"]["median"] for row in rows], "o-", color=COLOURS[name], label=name)
-        growth.loglog(N, [row["solve_cpu_ms"]["p99"] for row in rows], ":", color=COLOURS[name])
-    growth.set(
-        xlabel="horizon N", ylabel="processor time in the solver [ms]", title="Growth (- median, ·· 99th percentile)"
-    )
-    growth.set_xticks(list(HORIZONS), [str(N) for N in HORIZONS])
-    growth.grid(alpha=0.3, which="both")
-    growth.legend()
-    rows = [row for row in data["rows"] if row["horizon"] == BAR_HORIZON]
-    at = np.arange(len(rows))
-    colours = [COLOURS[row["solver"]] for row in rows]
-    bars.barh(at, [row["solve_cpu_ms"]["p99"] for row in rows], color=colours, alpha=0.35, label="99th percentile")
-    bars.barh(at, [row["solve_cpu_ms"]["median"] for row in rows], color=colours, height=0.4, label="median")
-    bars.set_yticks(at, [row["solver"] for row in rows])
-    bars.set(xscale="log", xlabel="processor time in the solver [ms]", title=f"N = {BAR_HORIZON}")
-    bars.grid(alpha=0.3, axis="x", which="both")
-    fig.suptitle("What a control cycle costs in closed loop, called from Python")
-    return save(fig, path)

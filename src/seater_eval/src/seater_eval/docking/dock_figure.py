@@ -1,4 +1,4 @@
-"""The image of one docking: the bay, the path, the footprint along it, speeds and errors over time."""
+"""The figure of one docking: the bay, the path, the footprint along it, speeds and errors over time."""
 
 from __future__ import annotations
 

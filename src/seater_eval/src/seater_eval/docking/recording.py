@@ -35,7 +35,7 @@ class Recording:
     images: Array = _empty(4)  # (n, 4): time, markers seen, dock seen (0 or 1), processing time [s]
     control: Array = _empty(6)  # (n, 6): time, solve time [s], iterations, status, asked v, asked omega
     commands: Array = _empty(3)  # (n, 3): time, v, omega as sent to the motors
-    obstacles: list[Array] = field(default_factory=list)  # (n, 2) each [m], the last ones told in the dock's frame
+    obstacles: list[Array] = field(default_factory=list)  # (n, 2) each [m], the last ones published in the dock's frame
     phases: list[tuple[float, str]] = field(default_factory=list)  # (time, phase) at each change
     goal_time: float | None = None
     result_time: float | None = None
@@ -67,11 +67,11 @@ def read_recording(path: str | Path) -> Recording:
     return recording
 
 
-def pose_at(track: Array, time: float) -> Array:
-    """The pose (3,) at a time within a track whose columns begin with time, x, y, heading; linear in between."""
-    heading = np.unwrap(track[:, 3])
-    columns = [track[:, 1], track[:, 2], heading]
-    x, y, angle = (float(np.interp(time, track[:, 0], column)) for column in columns)
+def pose_at(trajectory: Array, time: float) -> Array:
+    """The pose (3,) at a time within a trajectory whose columns begin with time, x, y, heading; linear in between."""
+    heading = np.unwrap(trajectory[:, 3])
+    columns = [trajectory[:, 1], trajectory[:, 2], heading]
+    x, y, angle = (float(np.interp(time, trajectory[:, 0], column)) for column in columns)
     return np.array([x, y, math.remainder(angle, 2.0 * math.pi)])
 
 
@@ -124,7 +124,7 @@ def _read_command(message: Any, rows: dict[str, list[list[float]]], _: Recording
 
 
 def _read_obstacles(message: Any, _: dict[str, list[list[float]]], recording: Recording) -> None:
-    if message.header.frame_id == "dock":  # as the simulator tells them
+    if message.header.frame_id == "dock":  # as the simulator publishes them
         recording.obstacles = [
             np.array([[point.x, point.y] for point in polygon.points]) for polygon in message.polygons
         ]

@@ -47,7 +47,7 @@ class CycleRow:
     iterations: int
     v: float  # what the controller would have asked for [m/s]
     omega: float  # [rad/s]
-    recorded_v: float | None  # what the motors were told in the recording
+    recorded_v: float | None  # commanded in the recording
     recorded_omega: float | None
 
 
@@ -117,8 +117,8 @@ def _longest_gap(stamps: Sequence[float], seen: Sequence[float]) -> float:
 def _jitter(poses: Array) -> dict[str, float] | None:
     if len(poses) < 3:
         return None
-    track = np.column_stack([poses[:, :2], np.unwrap(poses[:, 2])])
-    second = np.diff(track, n=2, axis=0)
+    unwrapped = np.column_stack([poses[:, :2], np.unwrap(poses[:, 2])])
+    second = np.diff(unwrapped, n=2, axis=0)
     position = math.sqrt(float(np.mean(np.sum(second[:, :2] ** 2, axis=1))) / 6.0)
     heading = math.sqrt(float(np.mean(second[:, 2] ** 2)) / 6.0)
     return {"position_m": position, "heading_deg": math.degrees(heading)}

@@ -1,4 +1,4 @@
-"""The figures of one docking: summary.json and the table on the screen."""
+"""The results of one docking: summary.json and the table on the screen."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ SUCCESS_CODES = (0, 1)  # DockResult.SUCCESS, DockResult.ALREADY_DOCKED
 def summarize(recording: Recording, dock: Dock, chair: Chair) -> dict[str, Any]:
     """The contents of summary.json.
 
-    true_error is the docking error in the true dock frame when the run ended; estimate_error is the estimated dock in the true
-    dock frame, at the time of the last estimate. Docked means: the action says success and the truth agrees.
+    true_error is the docking error in the true dock frame when the run ended; estimate_error is the estimated dock in
+    the true dock frame, at the time of the last estimate. Docked means: the action says success and the truth agrees.
     """
     final = recording.truth[-1, 1:4]
     error = error_of(dock.docking_error(final))
@@ -76,15 +76,13 @@ def table(summary: dict[str, Any]) -> str:
         ["error of the estimate", *_error_cells(summary["estimate_error"])],
         ["tolerance", "", "", f"{1e3 * tolerance['position_m']:.2f} mm", f"{tolerance['heading_deg']:.3f} deg"],
     ]
+    images = f"{perception['frames']} at {perception['rate_hz']:.1f} Hz (simulated)"
     facts = [
         ("start", f"({start['x_m']:.2f} m, {start['y_m']:.2f} m, {start['heading_deg']:.1f} deg)"),
         ("docking time", f"{summary['duration_s']:.1f} s (simulated), retries {summary['num_retries']}"),
         ("smallest clearance", f"{1e3 * summary['min_clearance_m']:.0f} mm"),
         ("solve time", f"{timing_text(solve)}, max {solve['max']:.1f} ms ({solve['cycles']} cycles)"),
-        (
-            "images",
-            f"{perception['frames']} at {perception['rate_hz']:.1f} Hz (simulated), dock seen in {perception['detected']}",
-        ),
+        ("images", f"{images}, dock seen in {perception['detected']}"),
         ("perception per image", f"{timing_text(latency)} (wall time, receive to publish)"),
     ]
     word = "DOCKED" if summary["docked"] else "NOT DOCKED"

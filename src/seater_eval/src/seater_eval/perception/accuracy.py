@@ -11,11 +11,8 @@ import numpy as np
 from seater_eval.perception import subject
 from seater_eval.perception.accuracy_cells import BranchJob, CellJob, count_wrong_branches, run_cell, table_bounds
 from seater_eval.perception.images.degraded_camera import load_degraded_camera
-from seater_eval.perception.peers import LABELS
 from seater_eval.perception.published import published_images
 from seater_eval.report.bars import Bar
-from seater_eval.report.evaluation_style import figure, save
-from seater_eval.report.tables import text_table
 from seater_eval.run.long_run import run_long
 
 METHODS = ("seater", "opencv_none", "opencv_default", "opencv_scaled", "opencv_apriltag", "pupil_apriltags")
@@ -39,15 +36,7 @@ QUICK_CELLS = (
 )
 NEAR = (0.35, 1.25)  # [m] where the paper calls the 100 mm marker most accurate
 TIMES_BOUND, TIMES_OPENCV, FEWER = 2.0, 10.0, 5.0
-FOUND = 0.9  # share of the images that have to be found before their errors count
-COLOURS = {
-    "seater": "#2e9e4f",
-    "opencv_none": "#8a8f98",
-    "opencv_default": "#c03030",
-    "opencv_scaled": "#d1852c",
-    "opencv_apriltag": "#7a4fb0",
-    "pupil_apriltags": "#1f6fb4",
-}
+FOUND = 0.9  # fraction of the images that have to be found before their errors count
 
 
 def run_accuracy(config: str | Path, quick: bool, partial: Path | None = None) -> dict[str, Any]:
@@ -87,7 +76,8 @@ def _median(cell: dict[str, Any], method: str) -> float | None:
 
 
 def _pooled(cells: list[dict[str, Any]], distance: float, method: str) -> float | None:
-    """Median position error [mm] over all poses of this distance (all angles); bound: of an estimator that reaches it."""
+    """Median position error [mm] over all poses of this distance (all angles); bound: of an estimator that reaches
+    it."""
     key = "bound_draws_mm" if method == "bound" else None
     here = [c for c in cells if c["distance"] == distance]
     values = [v for c in here for v in (c[key] if key else c["methods"][method]["every_mm"])]
@@ -95,8 +85,8 @@ def _pooled(cells: list[dict[str, Any]], distance: float, method: str) -> float 
 
 
 def _worst_ratio(cells: list[dict[str, Any]], over: str) -> tuple[float | None, str]:
-    """The worst over the distances: ours over the bound (largest), or OpenCV default over ours (smallest). And where that is,
-    with the same of the worst single cell, which is of one angle."""
+    """The worst over the distances: ours over the bound (largest), or OpenCV default over ours (smallest). And where
+    that is, with the same of the worst single cell, which is of one angle."""
     ratios, single = [], []
     for cell in cells:
         ours, other = _median(cell, "seater"), cell["bound_median_mm"] if over == "bound" else _median(cell, over)
@@ -165,70 +155,3 @@ def _inside_table_bounds(nees: dict[str, Any], cells: int) -> bool:
         return False
     low, high = table_bounds(nees["count"], cells)
     return bool(low <= nees["mean"] <= high)
-
-
-def describe_accuracy(data: dict[str, Any]) -> str:
-    """One line for each cell; then wrong branches and published images."""
-    methods = [m for m in data["cells"][0]["methods"] if m != "seater"]
-    head = ["cell", "found", "bound", "seater", "p95", "deg", *methods, "NEES", "95 % bounds", "wrong"]
-    rows = []
-    for cell in data["cells"]:
-        ours, nees = cell["methods"]["seater"], cell["nees"]
-        name = f"{1e3 * cell['size']:.0f} mm {cell['distance']:.2f} m {cell['angle_deg']:.0f} deg"
-        found = f"{ours['found']}/{ours['shown']}"
-        bounds = (
-            "-" if nees["mean"] is None else f"{nees['low']:.1f}-{nees['high']:.1f}{'' if nees['inside'] else ' !'}"
-        )
-        figures = [cell["bound_median_mm"], ours["position_mm"]["median"], ours["position_mm"]["p95"]]
-        figures += [ours["angle_deg"]["median"], *(_median(cell, m) for m in methods), nees["mean"]]
-        rows.append([name, found, *(_short(f) for f in figures), bounds, str(cell["wrong_branch"])])
-    branches = ", ".join(f"{key} {value}" for key, value in data["branches"].items())
-    text = (
-        f"{text_table(head, rows)}\n  Median position errors in mm (of what was found).\n  Wrong branches: {branches}"
-    )
-    if data["published"] is None:
-        return text + "\n  SKIPPED: the published images (Debian's package visp-images-data is not installed)"
-    lines = [
-        f"    {LABELS[m]}: {p['found']} found, median {_short(p['median_mm'])} mm, worst {_short(p['worst_mm'])} mm; from"
-        f" the common poses {_short(p['from_corners_median_mm'])}, {_short(p['from_corners_worst_mm'])} mm"
-        for m, p in data["published"].items()
-        if isinstance(p, dict)
-    ]
-    title = f"\n  Published images, {data['published']['tags']} tags"
-    return text + title + " (common poses: of the package's corners in all three images):\n" + "\n".join(lines)
-
-
-def _short(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3g}"
-
-
-def draw_accuracy(data: dict[str, Any], path: Path) -> Path:
-    """The paper's missing figure: position error over distance, a panel for each size, medians over the angles."""
-    sizes = sorted({cell["size"] for cell in data["cells"]})
-    fig, axes = figure(len(sizes), width=5.2, height=5.6)
-    for axis, size in zip(np.atleast_1d(axes), sizes, strict=True):
-        cells = [cell for cell in data["cells"] if cell["size"] == size]
-        distances = sorted({cell["distance"] for cell in cells})
-
-        def over(value: Any, cells: Any = cells, distances: Any = distances) -> list[float]:
-            found = [[value(c) for c in cells if c["distance"] == z and value(c) is not None] for z in distances]
-            return [float(np.median(f)) if f else math.nan for f in found]
-
-        for method in cells[0]["methods"]:
-            medians = over(lambda c, m=method: _median(c, m))
-            style = {"lw": 2.5, "zorder": 3} if method == "seater" else {"lw": 1.2}
-            axis.loglog(distances, medians, "o-", color=COLOURS[method], label=LABELS[method], ms=4, **style)
-        axis.loglog(distances, over(lambda c: c["bound_median_mm"]), "k.--", label=LABELS["bound"])
-        axis.set_xticks(distances, [f"{z:g}" for z in distances], fontsize=8)
-        axis.minorticks_off()
-        axis.set(xlabel="distance [m]", title=f"{1e3 * size:.0f} mm marker")
-        axis.grid(alpha=0.3)
-    first = np.atleast_1d(axes)[0]
-    first.set_ylabel("median position error [mm]")
-    handles, labels = first.get_legend_handles_labels()
-    fig.get_layout_engine().set(rect=(0.0, 0.12, 1.0, 0.88))
-    fig.legend(handles, labels, loc="lower center", ncols=4, fontsize=9)
-    fig.suptitle(
-        "How exactly a marker's position is measured: 0 to 30 deg from frontal, all methods on the same images"
-    )
-    return save(fig, path)

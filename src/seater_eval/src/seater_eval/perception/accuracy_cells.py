@@ -65,7 +65,7 @@ def run_cell(job: CellJob) -> dict[str, Any]:
             exposures[dictionary] = exposed(clean[dictionary], camera.noise_sd, random)
         truth = Print(subject.DICTIONARY, 0, job.size, pose)
         if k % 4 == 0:
-            bounds.append(bound_entry(cramer_rao(truth, camera, blur=unknown.blur, slope=unknown.slope)))
+            bounds.append(bound_entry(cramer_rao(truth, camera, psf=unknown.psf, slope=unknown.slope)))
         for name in job.methods:
             if name == "opencv_apriltag" and k >= job.slow_images:
                 continue
@@ -133,8 +133,9 @@ def _entry(errors: list[tuple[float, float]], shown: int) -> dict[str, Any]:
 
 
 def nees_entry(nees: list[float]) -> dict[str, Any]:
-    """Mean normalised error squared with the bounds that a right covariance keeps in 95 % of such cells: chi-squared with
-    6 n degrees of freedom over n (Bar-Shalom, "Estimation with Applications to Tracking and Navigation", 5.4.2)."""
+    """Mean normalised error squared with the bounds that a right covariance keeps in 95 % of such cells: chi-squared
+    with 6 n degrees of freedom over n (Bar-Shalom, "Estimation with Applications to Tracking and Navigation",
+    5.4.2)."""
     n = len(nees)
     if n == 0:
         return {"count": 0, "mean": None, "low": None, "high": None, "inside": False}

@@ -108,8 +108,9 @@ def _pupil_apriltags(K: Array, size: float) -> Detector:
     from pupil_apriltags import Detector as AprilTagDetector
 
     class Kept(AprilTagDetector):
-        """Never destroyed: its destructor frees the tag families and then writes into them (pupil-apriltags 1.0.4, seen with
-        valgrind: quick_decode_uninit after tag36h11_destroy), which breaks the heap of the whole process later on."""
+        """Never destroyed: its destructor frees the tag families and then writes into them (pupil-apriltags 1.0.4, seen
+        with valgrind: quick_decode_uninit after tag36h11_destroy), which breaks the heap of the whole process later
+        on."""
 
         def __del__(self) -> None:
             pass
@@ -122,7 +123,7 @@ def _pupil_apriltags(K: Array, size: float) -> Detector:
 
     def detect(image: Image) -> list[Seen]:
         seen = []
-        with silence():  # it tells on standard output of poses with more than two minima
+        with silence():  # it reports on standard output poses with more than two minima
             tags = detector.detect(image, estimate_tag_pose=True, camera_params=camera, tag_size=size)
         for tag in tags:
             pose = np.eye(4)

@@ -23,8 +23,8 @@ OPENCV = ("opencv_none", "opencv_default", "opencv_scaled", "opencv_apriltag")
 
 
 def read_corners(path: Path) -> dict[int, NDArray[np.float64]]:
-    """Id -> (4, 2) [px] in our convention, top left first, clockwise as the print is read. In the file: id, then four lines, in
-    pixels that count from the image's corner, anticlockwise, and of a print turned by half a turn."""
+    """Id -> (4, 2) [px] in our convention, top left first, clockwise as the print is read. In the file: id, then four
+    lines, in pixels that count from the image's corner, anticlockwise, and of a print turned by half a turn."""
     numbers = path.read_text().split()
     tags = [numbers[i : i + 9] for i in range(0, len(numbers), 9)]
     return {int(tag[0]): np.array(tag[1:], dtype=float).reshape(4, 2)[[1, 0, 3, 2]] - 0.5 for tag in tags}
@@ -38,8 +38,9 @@ def position_from_corners(corners: NDArray[np.float64], camera: DegradedCamera, 
 
 
 def common_positions() -> dict[int, NDArray[np.float64]]:
-    """Tag id -> (3,) [m]: the pose that the package's corners of all three images together give. In all of them a tag has
-    one pose, so that this says what the images show where the package's own poses deviate from it (by up to 0.4 px)."""
+    """Tag id -> (3,) [m]: the pose that the package's corners of all three images together give. In all of them a tag
+    has one pose, so that this says what the images show where the package's own poses deviate from it (by up to 0.4
+    px)."""
     points: dict[int, list[Any]] = {}
     seen: dict[int, list[Any]] = {}
     for family, _, cells in FAMILIES:
@@ -55,8 +56,9 @@ def common_positions() -> dict[int, NDArray[np.float64]]:
 
 
 def published_images(config: str | Path) -> dict[str, Any] | None:
-    """Tags found, errors of position [mm] of each method, and the same against common_positions; None when the package is
-    not installed. `published_corners`: the poses that the package's own corners give, which says how exact its poses are."""
+    """Tags found, errors of position [mm] of each method, and the same against common_positions; None when the package
+    is not installed. `published_corners`: the poses that the package's own corners give, which says how exact its poses
+    are."""
     if not FOLDER.is_dir():
         return None
     parameters = subject.perception_parameters(config)
@@ -80,7 +82,7 @@ def published_images(config: str | Path) -> dict[str, Any] | None:
         errors = [1e3 * float(np.linalg.norm(position - _truth(tag))) for tag, position in positions]
         others = [1e3 * float(np.linalg.norm(position - common[tag])) for tag, position in positions]
         result[name] = {"found": len(errors), **_median_worst("", errors), **_median_worst("from_corners_", others)}
-    for key in ("median_mm", "worst_mm"):  # the best of the refinements, for each figure by itself
+    for key in ("median_mm", "worst_mm"):  # the best of the refinements, for each statistic by itself
         best = [result[name][key] for name in OPENCV if result[name]["found"] == result["tags"]]
         result[f"best_opencv_{key}"] = min(best) if best else None
     return result

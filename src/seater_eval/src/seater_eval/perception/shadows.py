@@ -93,14 +93,15 @@ def run_shadows(config: str | Path, quick: bool) -> dict[str, Any]:
 
 
 def shadow_bars(data: dict[str, Any]) -> list[Bar]:
-    """No fewer found than 90 % and than by OpenCV, and errors that the covariance covers, in shadows with half the light."""
+    """No fewer found than 90 % and than by OpenCV, and errors that the covariance covers, in shadows with half the
+    light."""
     rows = [row for row in data["rows"] if row["light"] >= WEAK]
-    share = min((row["found"] / row["images"] for row in rows), default=None)
+    fraction = min((row["found"] / row["images"] for row in rows), default=None)
     fewer = max((row["found_opencv_default"] - row["found"] for row in data["rows"]), default=None)
     normalised = [row["normalised_error_squared"] for row in rows]
     worst = None if None in normalised else max(normalised, default=None)
     return [
-        Bar("share found, half the light or more in the shadow", share, FOUND, "", "at least"),
+        Bar("share found, half the light or more in the shadow", fraction, FOUND, "", "at least"),
         Bar("images that OpenCV default finds more, worst case", fewer, 0.0),
         Bar("mean normalised error squared, half the light or more", worst, 6.0),
     ]

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
-import time
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +14,10 @@ from seater_eval.perception import subject
 from seater_eval.perception.images.degraded_camera import DegradedCamera, load_degraded_camera
 from seater_eval.perception.images.render import Print, clean_image, exposed
 from seater_eval.perception.images.scenes import facing
-from seater_eval.perception.peers import LABELS, Detector, dictionary_of, make_peer
+from seater_eval.perception.peers import dictionary_of, make_peer
+from seater_eval.perception.timed_detector import Timed, TimedElsewhere
 from seater_eval.report.bars import Bar
-from seater_eval.report.evaluation_style import figure, save
 from seater_eval.report.statistics import spread
-from seater_eval.report.tables import text_table
 from seater_eval.run.progress import progress_bar
 
 Image = NDArray[np.uint8]
@@ -30,16 +27,8 @@ BAR_RESOLUTION = (1280, 720)
 SEARCH, TRACKING, PLAIN = "seater search", "seater tracking", "opencv_none"
 METHODS = (SEARCH, TRACKING, PLAIN, "opencv_default", "opencv_apriltag", "pupil_apriltags")
 SLOWER, TRACKED = 1.3, 0.35
-FOUND = 0.9  # share of the markers that have to be found
+FOUND = 0.9  # fraction of the markers that have to be found
 SLOWEST = "opencv_apriltag"  # takes up to a second: measured with a few images only
-COLOURS = {
-    SEARCH: "#2e9e4f",
-    TRACKING: "#83c99a",
-    PLAIN: "#8a8f98",
-    "opencv_default": "#c03030",
-    "opencv_apriltag": "#7a4fb0",
-    "pupil_apriltags": "#1f6fb4",
-}
 
 
 def scene(camera: DegradedCamera, markers: int, dictionary: str, size: float, shift: float) -> list[Print]:
@@ -64,49 +53,6 @@ def images_of(camera: DegradedCamera, markers: int, dictionary: str, size: float
         exposed(clean_image(scene(camera, markers, dictionary, size, 0.002 * k), camera), camera.noise_sd, random)
         for k in range(count)
     ]
-
-
-class Timed:
-    """A detector in this process, with the processor time it took."""
-
-    def __init__(self, detect: Detector) -> None:
-        self._detect = detect
-
-    def __call__(self, image: Image) -> tuple[set[int], float]:
-        """Ids found and processor time [ms]."""
-        start = time.thread_time()
-        seen = self._detect(image)
-        return {s.id for s in seen}, 1e3 * (time.thread_time() - start)
-
-    def end(self) -> None:
-        """Nothing to do here."""
-
-
-class TimedElsewhere(Timed):
-    """The same in a process of its own: what pupil-apriltags does to its heap when it is destroyed stays there."""
-
-    def __init__(self, name: str, K: NDArray[np.float64], size: float) -> None:
-        context = multiprocessing.get_context("spawn")
-        self._pipe, theirs = context.Pipe()
-        self._process = context.Process(target=_serve, args=(theirs, name, K, size), daemon=True)
-        self._process.start()
-        theirs.close()
-
-    def __call__(self, image: Image) -> tuple[set[int], float]:
-        self._pipe.send(image)
-        ids, taken = self._pipe.recv()
-        return ids, taken
-
-    def end(self) -> None:
-        self._pipe.send(None)
-        self._process.join(5.0)
-
-
-def _serve(pipe: Any, name: str, K: NDArray[np.float64], size: float) -> None:
-    detector = Timed(make_peer(name, K, size))
-    while (image := pipe.recv()) is not None:
-        pipe.send(detector(image))
-    os._exit(0)  # without any destructor
 
 
 def time_case(
@@ -180,66 +126,23 @@ def _row(data: dict[str, Any], method: str, markers: int) -> dict[str, Any] | No
     return None
 
 
-def _found(row: dict[str, Any]) -> bool:
+def mostly_found(row: dict[str, Any]) -> bool:
     return bool(row["found"] >= FOUND * row["markers"])
 
 
 def speed_bars(data: dict[str, Any]) -> list[Bar]:
-    """Ratios to plain OpenCV within this run, for each number of markers. Our time says nothing where we do not find them;
-    what plain OpenCV does not find only makes it quicker."""
+    """Ratios to plain OpenCV within this run, for each number of markers. Our time says nothing where we do not find
+    them; what plain OpenCV does not find only makes it quicker."""
     bars = []
     for method, limit in ((SEARCH, SLOWER), (TRACKING, TRACKED)):
         for markers in sorted({row["markers"] for row in data["rows"]}):
             ours, plain = (_row(data, name, markers) for name in (method, PLAIN))
             ratio, note = None, "not measured, or not all markers found"
-            if ours is not None and plain is not None and _found(ours):
+            if ours is not None and plain is not None and mostly_found(ours):
                 ratio = ours["cpu_ms"]["median"] / plain["cpu_ms"]["median"]
                 p95 = [row["cpu_ms"]["p95"] for row in (ours, plain)]
                 note = f"median of {ours['images']}; p95 {p95[0]:.1f} ms, plain {p95[1]:.1f} ms"
-                note += "" if _found(plain) else f"; plain finds {plain['found']:.1f}"
+                note += "" if mostly_found(plain) else f"; plain finds {plain['found']:.1f}"
             name = f"{method} / plain OpenCV detection, 1280 x 720, {markers} markers"
             bars.append(Bar(name, ratio, limit, note=note))
     return bars
-
-
-def describe_speed(data: dict[str, Any]) -> str:
-    """One line for each resolution and number of markers."""
-    names = [name for name in METHODS if any(row["method"] == name for row in data["rows"])]
-    rows = []
-    for width, height, markers in dict.fromkeys((r["width"], r["height"], r["markers"]) for r in data["rows"]):
-        cells = [
-            r for n in names for r in data["rows"] if (r["method"], r["width"], r["markers"]) == (n, width, markers)
-        ]
-        shown = [f"{r['cpu_ms']['median']:.1f} ({r['found']:.0f})" for r in cells]
-        rows.append([f"{width} x {height}, {markers} markers", *shown])
-    head = ["image", *(name.replace("_", " ") for name in names)]
-    return text_table(head, rows) + "\n  Median processor time in ms (markers found)."
-
-
-def draw_speed(data: dict[str, Any], path: Path) -> Path:
-    """A panel for each resolution: time over the number of markers."""
-    resolutions = list(dict.fromkeys((row["width"], row["height"]) for row in data["rows"]))
-    fig, axes = figure(len(resolutions), width=max(5.0, 12.0 / len(resolutions)), height=5.0)
-    for axis, (width, height) in zip(np.atleast_1d(axes), resolutions, strict=True):
-        for name in METHODS:
-            rows = [r for r in data["rows"] if r["method"] == name and r["width"] == width]
-            if not rows:
-                continue
-            x, y = [r["markers"] for r in rows], [r["cpu_ms"]["median"] for r in rows]
-            axis.loglog(x, y, "o-", color=COLOURS[name], label=LABELS.get(name, name))
-            few = [k for k, row in enumerate(rows) if not _found(row)]
-            axis.plot([x[k] for k in few], [y[k] for k in few], "o", color=COLOURS[name], markerfacecolor="white")
-        ticks = sorted({row["markers"] for row in data["rows"]})
-        axis.set_xticks(ticks, [str(t) for t in ticks])
-        marks = (0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
-        axis.set_yticks(marks, [str(m) for m in marks])
-        axis.minorticks_off()
-        axis.set_ylim(0.2, 2000.0)
-        axis.set(xlabel="markers in the image", title=f"{width} x {height}")
-        axis.grid(alpha=0.3)
-    first = np.atleast_1d(axes)[0]
-    first.set_ylabel("processor time per image, one core [ms]")
-    first.plot([], [], "o", color="black", markerfacecolor="white", label="finds less than 90 % of the markers")
-    fig.get_layout_engine().set(rect=(0.0, 0.17, 1.0, 0.83))
-    fig.legend(*first.get_legend_handles_labels(), loc="lower center", ncols=3, fontsize=9)
-    return save(fig, path)

@@ -19,8 +19,8 @@ DICTIONARY = "DICT_4X4_50"
 
 
 def perception_parameters(config: str | Path) -> dict[str, Any]:
-    """config/perception.yaml, but without its allowance for what a real camera and print deviate from the model: the images
-    here are exactly what the model assumes. Raises ParameterError."""
+    """config/perception.yaml, but without its allowance for what a real camera and print deviate from the model: the
+    images here are exactly what the model assumes. Raises ParameterError."""
     path = Path(config) / "perception.yaml"
     try:
         values = yaml.safe_load(path.read_text())
@@ -57,7 +57,7 @@ def make_detector(
 ) -> Any:
     """A DockDetector, or a DockTracker. Raises ParameterError naming the key."""
     if tracking and not parameters.get("tracking", {}).get("enabled", True):
-        raise ParameterError("perception/tracking/enabled: is false, must be true where the track is measured")
+        raise ParameterError("perception/tracking/enabled: is false, must be true where tracking is measured")
     kind = sp.DockTracker if tracking else sp.DockDetector
     try:
         return kind(camera_model(camera), layout(size, prior, ids), parameters)

@@ -1,4 +1,5 @@
-"""Bars (limits with what was measured), their table, results/<command>.json and the exit code that follows from them."""
+"""Bars (limits with what was measured), their table, results/<command>.json and the exit code that follows from
+them."""
 
 from __future__ import annotations
 
@@ -64,7 +65,8 @@ def bars_table(bars: Sequence[Bar]) -> str:
 
 
 def write_results(folder: str | Path, command: str, data: Mapping[str, Any], bars: Sequence[Bar]) -> Path:
-    """Writes <folder>/<command>.json: the data and `bars`. Raises ValueError when the data has a key `bars` of its own."""
+    """Writes <folder>/<command>.json: the data and `bars`. Raises ValueError when the data has a key `bars` of its
+    own."""
     if "bars" in data:
         raise ValueError("data: has a key 'bars' of its own")
     path = Path(folder) / f"{command}.json"
@@ -75,11 +77,11 @@ def write_results(folder: str | Path, command: str, data: Mapping[str, Any], bar
 
 
 def conclude(
-    folder: str | Path, command: str, data: Mapping[str, Any], bars: Sequence[Bar], images: Sequence[Path] = ()
+    folder: str | Path, command: str, data: Mapping[str, Any], bars: Sequence[Bar], figures: Sequence[Path] = ()
 ) -> int:
     """Write the results, print the bars and where the files are; the exit code: 0 when all bars are met, else 1."""
     path = write_results(folder, command, data, bars)
-    files = "\n".join(f"  {file}" for file in [path, *images])
+    files = "\n".join(f"  {file}" for file in [path, *figures])
     print(f"\n{bars_table(bars)}\n\n{files}\n")
     return 0 if all_met(bars) else 1
 

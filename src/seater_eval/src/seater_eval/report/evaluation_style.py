@@ -1,4 +1,4 @@
-"""What the images of the evaluation share."""
+"""The common style of the evaluation's figures."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def figure(columns: int, rows: int = 1, width: float = 6.5, height: float = 5.0)
 
 
 def save(fig: Any, path: Path) -> Path:
-    """Write the PNG and forget the figure."""
+    """Writes the PNG and closes the figure."""
     path.parent.mkdir(parents=True, exist_ok=True)
     fig.savefig(path)
     plt.close(fig)

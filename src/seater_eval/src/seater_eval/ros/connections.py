@@ -13,7 +13,8 @@ import rospy
 def links(
     master: Any, *, topics: Iterable[str] | None = None, subscriber: str | None = None
 ) -> set[tuple[str, str, str]]:
-    """(publisher, topic, subscriber) that ought to be connected: of these (resolved) topics, to this node; None: all."""
+    """(publisher, topic, subscriber) that ought to be connected: of these (resolved) topics, to this node; None:
+    all."""
     publishers, subscribers, _ = master.getSystemState()
     listening = {topic: nodes for topic, nodes in subscribers if topics is None or topic in topics}
     return {

@@ -7,8 +7,6 @@ how long a replay takes, never what it finds.
 
 from __future__ import annotations
 
-import math
-import threading
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -22,18 +20,15 @@ from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
-from seater_common.geometry import Chair, planar_pose, pose_matrix, rotation_matrix
-from seater_eval.docking.recording import heading_of, pose_at
+from seater_common.geometry import Chair
+from seater_eval.docking.recording import heading_of
 from seater_eval.docking.replay_log import CycleRow, ImageRow
 from seater_eval.ros.connections import is_connected, links
-from seater_msgs.msg import ControllerStatus, InputDone, MarkerDetectionArray, ObstacleArray
+from seater_eval.ros.replay_answers import Answers, ReplayError
+from seater_eval.ros.replay_rows import cycle_row, image_row
+from seater_msgs.msg import ObstacleArray
 
-ANSWER_TIMEOUT = 10.0  # [s] wall time
 ANSWERS = ("detections", "input_done", "controller_status")
-
-
-class ReplayError(RuntimeError):
-    """The bag cannot be replayed, or a node does not answer."""
 
 
 @dataclass
@@ -53,49 +48,6 @@ class Topics:
 
 def absolute(name: str) -> str:
     return name if name.startswith("/") else "/" + name
-
-
-class Answers:
-    """What came back, by stamp. Callbacks store, the replay waits."""
-
-    def __init__(self) -> None:
-        self._condition = threading.Condition()
-        self.detections: dict[rospy.Time, MarkerDetectionArray] = {}
-        self.status: list[ControllerStatus] = []
-        self._done: set[tuple[str, rospy.Time]] = set()
-        rospy.Subscriber("detections", MarkerDetectionArray, self._on_detections, queue_size=100)
-        rospy.Subscriber("controller_status", ControllerStatus, self._on_status, queue_size=1000)
-        rospy.Subscriber("input_done", InputDone, self._on_done, queue_size=1000)
-
-    def _on_detections(self, message: MarkerDetectionArray) -> None:
-        with self._condition:
-            self.detections[message.header.stamp] = message
-            self._condition.notify_all()
-
-    def _on_status(self, message: ControllerStatus) -> None:
-        with self._condition:
-            self.status.append(message)
-
-    def _on_done(self, message: InputDone) -> None:
-        with self._condition:
-            self._done.add((message.input, message.header.stamp))
-            self._condition.notify_all()
-
-    def wait_for_detections(self, stamp: rospy.Time) -> bool:
-        """False when perception did not answer: it refuses a bad image and says so in its log."""
-        return self._wait(lambda: stamp in self.detections)
-
-    def wait_for_done(self, name: str, stamp: rospy.Time) -> None:
-        if not self._wait(lambda: (name, stamp) in self._done):
-            raise ReplayError(f"the docking node did not answer to {name} of {stamp.to_sec():.3f} s")
-
-    def _wait(self, condition: Any) -> bool:
-        end = time.monotonic() + ANSWER_TIMEOUT
-        with self._condition:
-            while not condition():
-                if rospy.is_shutdown() or not self._condition.wait(max(0.0, end - time.monotonic())):
-                    return bool(condition())
-        return True
 
 
 class Replay:
@@ -157,7 +109,7 @@ class Replay:
             time.sleep(0.05)
 
     def run(self) -> Iterator[float]:
-        """Yields the share that is done, 0..1."""
+        """Yields the fraction that is done, 0..1."""
         first: float | None = None
         started = time.monotonic()
         for key, message, stamp in self._messages():
@@ -202,18 +154,18 @@ class Replay:
 
     def image_rows(self, chair: Chair) -> list[ImageRow]:
         """The dock in odom at each image's own time."""
-        track = self._odometry_track()
+        poses = self._odometry_poses()
         T_base_optical = chair.camera.T_base_optical()
         return [
-            _image_row(message, track, T_base_optical)
+            image_row(message, poses, T_base_optical)
             for _, message in sorted(self.answers.detections.items(), key=lambda item: item[0].to_sec())
         ]
 
     def cycle_rows(self) -> list[CycleRow]:
         recorded = self._recorded_commands()
-        return [_cycle_row(message, recorded) for message in self.answers.status if message.status != message.IDLE]
+        return [cycle_row(message, recorded) for message in self.answers.status if message.status != message.IDLE]
 
-    def _odometry_track(self) -> np.ndarray:
+    def _odometry_poses(self) -> np.ndarray:
         rows = []
         for _, message, _ in self._bag.read_messages(topics=[self._names["odom"]]):
             pose = message.pose.pose
@@ -224,28 +176,3 @@ class Replay:
     def _recorded_commands(self) -> dict[rospy.Time, tuple[float, float]]:
         messages = self._bag.read_messages(topics=["velocity_request", "/velocity_request"])
         return {m.header.stamp: (m.twist.linear.x, m.twist.angular.z) for _, m, _ in messages}
-
-
-def _image_row(message: MarkerDetectionArray, track: np.ndarray, T_base_optical: np.ndarray) -> ImageRow:
-    stamp = message.header.stamp.to_sec()
-    row = ImageRow(stamp, len(message.markers), int(bool(message.dock)), None, None, None, None,
-                     1e3 * message.processing_time)  # fmt: skip
-    if not message.dock:
-        return row
-    estimate = message.dock[0].pose
-    p, q = estimate.pose.position, estimate.pose.orientation
-    T_optical_dock = np.eye(4)
-    T_optical_dock[:3, :3] = rotation_matrix(q.x, q.y, q.z, q.w)
-    T_optical_dock[:3, 3] = [p.x, p.y, p.z]
-    pose = planar_pose(pose_matrix(pose_at(track, stamp)) @ T_base_optical @ T_optical_dock)
-    row.dock_x, row.dock_y, row.dock_heading = (float(v) for v in pose)
-    row.position_sd = math.sqrt(sum(estimate.covariance[i * 7] for i in range(3)))
-    return row
-
-
-def _cycle_row(message: ControllerStatus, recorded: dict[rospy.Time, tuple[float, float]]) -> CycleRow:
-    v, omega = recorded.get(message.header.stamp, (None, None))
-    return CycleRow(
-        message.header.stamp.to_sec(), message.phase, message.status, 1e3 * message.solve_time, message.iterations,
-        message.command.linear.x, message.command.angular.z, v, omega,
-    )  # fmt: skip

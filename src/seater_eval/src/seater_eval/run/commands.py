@@ -1,4 +1,4 @@
-"""What the evaluation's commands share: their options and where config/ is."""
+"""The common options of the evaluation's commands, and where config/ is."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ def make_parser(command: str, description: str | None) -> argparse.ArgumentParse
     """--config, --results and --quick; the caller adds its own."""
     parser = argparse.ArgumentParser(prog=command, description=description)
     parser.add_argument("--config", type=Path, help="folder like config/ (default: that of the package seater_config)")
-    parser.add_argument("--results", type=Path, default=Path("results"), help="folder for JSON and image (results)")
-    parser.add_argument("--quick", action="store_true", help="a small version for tests; its figures are no proof")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder for JSON and figure (results)")
+    parser.add_argument("--quick", action="store_true", help="a small version for tests; its numbers are no proof")
     return parser
 
 

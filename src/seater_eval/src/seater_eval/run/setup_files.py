@@ -28,7 +28,8 @@ class Setup:
 
 
 def load_setup(config: str | Path) -> Setup:
-    """From the folder of seater_config. Raises ParameterError, naming file and key; the evaluation docks forward only."""
+    """From the folder of seater_config. Raises ParameterError, naming file and key; the evaluation docks forward
+    only."""
     config = Path(config)
     dock = load_dock(config / "docks" / "default.yaml")
     if dock.direction != "forward":

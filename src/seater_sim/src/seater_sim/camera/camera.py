@@ -92,7 +92,7 @@ class Camera:
         return self._sensor.expose(light, seed, index)
 
     def light(self, T_dock_base: ArrayLike, v: float, omega: float, covered: Collection[int]) -> Image:
-        """The image before blur, vignetting, gain and noise; shape as for `render`."""
+        """The image before PSF, vignetting, gain and noise; shape as for `render`."""
         motion = self._motion(T_dock_base, v, omega)
         whole = min(MAX_SUBFRAMES, max(1, math.ceil(motion / BACKDROP_PX)))
         prints = min(3, max(1, math.ceil(motion / (whole * PRINT_PX))))

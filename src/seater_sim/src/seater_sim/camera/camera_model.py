@@ -77,7 +77,8 @@ class CameraModel:
         )
 
     def rays(self, margin: int) -> NDArray[np.float32]:
-        """(x / z, y / z) of every pixel's centre, (height + 2 margin, width + 2 margin, 2), the margin outside the image."""
+        """(x / z, y / z) of every pixel's centre, (height + 2 margin, width + 2 margin, 2), the margin outside the
+        image."""
         u, v = np.meshgrid(np.arange(-margin, self.width + margin), np.arange(-margin, self.height + margin))
         pixels = np.stack([u, v], axis=-1).astype(np.float64).reshape(-1, 1, 2)
         criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-10)

@@ -1,4 +1,4 @@
-"""From light to grey levels: lens blur, vignetting, gain, noise."""
+"""From light to grey levels: PSF, vignetting, gain, noise."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ class Sensor:
 
     def expose(self, light: Image, seed: int, index: int) -> Image:
         """The image number `index`; its noise depends on seed and index only."""
-        image = self._shade(self._blur(light))
+        image = self._shade(self._spread(light))
         if self._settings.noise_sd > 0.0:
             image = self._add_noise(image, seed, index)
         return image
 
-    def _blur(self, light: Image) -> Image:
+    def _spread(self, light: Image) -> Image:
         sd = self._settings.blur_sd
         if sd <= 0.0:
             return light

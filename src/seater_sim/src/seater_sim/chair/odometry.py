@@ -6,8 +6,8 @@ Per message, true way s and turn t become
 
 e_s, e_t, e_d drawn once per seed (wheel diameter, track width, unequal wheels), n_s and n_t white: variances
 distance_noise^2 |s| and heading_noise^2 |s| + turn_noise^2 |t|. A standing chair has no odometry error growth. The
-covariance is the first-order propagation of the error of (x, y, heading) jointly with e_s, e_t, e_d, so what a constant scale
-error does to a long way is in it.
+covariance is the first-order propagation of the error of (x, y, heading) jointly with e_s, e_t, e_d, so what a constant
+scale error does to a long way is in it.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The chair as a plant: a unicycle behind a motor controller.
 
-Each axis (speed, turning rate): the command acts after a delay; the demand follows it within the acceleration limit; the
-true speed follows the demand as a first-order lag. Between two instants the demand is a ramp and then constant, so the lag
-is solved in closed form, and the chair drives an arc of a circle with the mean speeds of the step.
+Each axis (speed, turning rate): the command acts after a delay; the demand follows it within the acceleration limit;
+the true speed follows the demand as a first-order lag. Between two instants the demand is a ramp and then constant, so
+the lag is solved in closed form, and the chair drives an arc of a circle with the mean speeds of the step.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Who has answered what: the waiting side of the lock-step, without ROS.
 
-Callbacks only `put` answers; the stepping thread waits until a condition holds. A wait ends early when nobody is left who
-could answer, and after a (wall) time limit, which is counted against the one who did not answer.
+Callbacks only `put` answers; the stepping thread waits until a condition holds. A wait ends early when nobody is left
+who could answer, and after a (wall) time limit, which is counted against the one who did not answer.
 """
 
 from __future__ import annotations
@@ -48,7 +48,8 @@ class Answers(Generic[T]):
             self._condition.notify_all()
 
     def wait(self, topic: str, stamp_ns: int, limit: float, present: Callable[[], bool]) -> T | None:
-        """The answer to `stamp_ns`; None when nobody is `present` any more or after `limit` [s] (counted in `missed`)."""
+        """The answer to `stamp_ns`; None when nobody is `present` any more or after `limit` [s] (counted in
+        `missed`)."""
         end = time.monotonic() + limit
         with self._condition:
             while not self._closed:

@@ -97,7 +97,8 @@ class Due:
 
 
 class Simulator:
-    """Time, plant, odometry, camera, contact and walls of one run. Same arguments and commands: same run, to the bit."""
+    """Time, plant, odometry, camera, contact and walls of one run. Same arguments and commands: same run, to the
+    bit."""
 
     def __init__(
         self,
@@ -118,7 +119,8 @@ class Simulator:
         events: what happens during the run.
         camera: takes the place of one made from `camera_model`, so that many runs can share it.
 
-        Raises ValueError when the start pose is not finite or overlaps a wall, or the dock's dictionary has no such marker.
+        Raises ValueError when the start pose is not finite or overlaps a wall, or the dock's dictionary has no such
+        marker.
         """
         self.settings = settings
         self.seed = seed

@@ -25,7 +25,7 @@ from seater_sim.ros.peers import publishers_of, sends_to, subscribers_of
 
 
 class Receiver(Protocol):
-    """Who is told what arrives: the node. Called in ROS's threads."""
+    """Receives what arrives: the node. Called in ROS's threads."""
 
     def on_command(self, v: float, omega: float, stamped: bool) -> None:
         """A velocity command [m/s, rad/s]."""

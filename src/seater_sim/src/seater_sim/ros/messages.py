@@ -28,7 +28,8 @@ def stamp(time_ns: int) -> rospy.Time:
 
 
 def odometry_message(sample: OdometrySample) -> Odometry:
-    """Pose of base_link in odom, twist in base_link. What a chair on a flat floor cannot do has the variance's floor."""
+    """Pose of base_link in odom, twist in base_link. What a chair on a flat floor cannot do has the variance's
+    floor."""
     message = Odometry()
     message.header.stamp = stamp(sample.time_ns)
     message.header.frame_id = "odom"

@@ -53,7 +53,8 @@ class Walls:
         return min([walls, *(polygon_distance(self._chair.corners_at(pose), o) for o in self._obstacles)])
 
     def distance_if_free(self, pose: Array) -> float:
-        """As `distance`, an order of magnitude faster, for a chair that reached `pose` by a small step from free ground.
+        """As `distance`, an order of magnitude faster, for a chair that reached `pose` by a small step from free
+        ground.
 
         Two convex polygons that do not overlap are nearest at a corner of one of them; when a corner lies in the other
         one, the exact function decides.
@@ -87,7 +88,8 @@ def _from_box(x: float, y: float, x0: float, x1: float, y0: float, y1: float) ->
 class CollisionMonitor:
     """Smallest clearance of a run, and whether a step ran into something."""
 
-    # Farther away than NEAR the clearance is computed only after having come closer by COARSE [m]; nearer, at every step.
+    # Farther away than NEAR the clearance is computed only after having come closer by COARSE [m]; nearer, at every
+    # step.
     NEAR = 0.3
     COARSE = 0.01
 

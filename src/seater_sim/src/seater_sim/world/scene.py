@@ -1,8 +1,8 @@
 """The world that the camera sees, in the dock frame: room, floor, bay, sheets with markers, obstacles.
 
-Everything is made of planar convex faces. They are drawn back to front (painter's order): room, floor, back wall and what
-hangs on it, then the upright blocks (side walls, obstacles) from far to near. That is right for a camera in front of the
-back wall, which is the only place where the dock matters.
+Everything is made of planar convex faces. They are drawn back to front (painter's order): room, floor, back wall and
+what hangs on it, then the upright blocks (side walls, obstacles) from far to near. That is right for a camera in front
+of the back wall, which is the only place where the dock matters.
 """
 
 from __future__ import annotations

@@ -1,1 +1,2 @@
-"""Images of markers with a known truth: camera, renderer, poses, images without markers, and the bound of what they tell."""
+"""Images of markers with a known truth: camera, renderer, poses, images without markers, and the bound of what they
+tell."""

@@ -1,4 +1,4 @@
-"""The simulated camera that all perception figures are measured with (config/cameras/degraded.yaml)."""
+"""The simulated camera that all perception results are measured with (config/cameras/degraded.yaml)."""
 
 from __future__ import annotations
 

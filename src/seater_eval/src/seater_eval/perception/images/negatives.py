@@ -25,12 +25,12 @@ OTHERS = (
 )
 
 
-def negative(kind: str, width: int, height: int, blur_sd: float, noise_sd: float, seed: int) -> Image:
-    """One image (height, width) of a kind of KINDS or OTHER_IDS, through the same blur and noise as the others."""
+def negative(kind: str, width: int, height: int, psf_sd: float, noise_sd: float, seed: int) -> Image:
+    """One image (height, width) of a kind of KINDS or OTHER_IDS, through the same PSF and noise as the others."""
     random = np.random.default_rng(seed)
     canvas = _DRAW[kind](random, width, height).astype(np.float32)
-    if kind != "noise" and blur_sd > 0.0:
-        canvas = cv2.GaussianBlur(canvas, (0, 0), blur_sd)
+    if kind != "noise" and psf_sd > 0.0:
+        canvas = cv2.GaussianBlur(canvas, (0, 0), psf_sd)
     noisy = canvas + noise_sd * random.standard_normal(canvas.shape, dtype=np.float32)
     return np.asarray(np.clip(np.rint(noisy), 0, 255), dtype=np.uint8)
 

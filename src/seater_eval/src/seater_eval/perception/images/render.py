@@ -1,8 +1,9 @@
 """Images of printed markers, made independently of the model inside the estimator.
 
-Every pixel is divided into samples x samples; each sample asks the exact homography which cell of the print it sees (an edge
-within a sample counts by its share). The lens blur (and the path of a motion) is applied on that fine grid, then the mean over
-each pixel's area is taken. A pixel's centre has integer coordinates: pixel u covers u - 1/2 .. u + 1/2.
+Every pixel is divided into samples x samples; each sample asks the exact homography which cell of the print it sees (an
+edge within a sample counts by its covered fraction). The PSF of the lens (and the path of a motion) is applied on that
+fine grid, then the mean over each pixel's area is taken. A pixel's centre has integer coordinates: pixel u covers u -
+1/2 .. u + 1/2.
 """
 
 from __future__ import annotations
@@ -58,8 +59,8 @@ def box_of(print_: Print, camera: DegradedCamera, cells_around: float, pixels_ar
 
 
 def samples_for(print_: Print, camera: DegradedCamera) -> int:
-    """Samples across a pixel. Too few displace edges: with 5 the estimate of a print of 183 px would be off by 1.5 standard
-    deviations of what noise does to it, with 12 by half of one."""
+    """Samples across a pixel. Too few displace edges: with 5 the estimate of a print of 183 px would be off by 1.5
+    standard deviations of what noise does to it, with 12 by half of one."""
     side = camera.focal_length * print_.size / max(float(print_.pose[2, 3]), 1e-6)
     return 12 if side < 300.0 else 4 if side < 600.0 else 2
 
@@ -74,8 +75,8 @@ def reflectance(
     border: int = 0,
     shift: tuple[float, float] = (0.0, 0.0),
 ) -> NDArray[np.float32]:
-    """The sharp sheet on the fine grid of a box: 0 ink, 1 paper, `wall` outside of `paper` cells of quiet zone. `shift`: the
-    grid lies so far [px] right of and below the pixels."""
+    """The sharp sheet on the fine grid of a box: 0 ink, 1 paper, `wall` outside of `paper` cells of quiet zone.
+    `shift`: the grid lies so far [px] right of and below the pixels."""
     cells = marker_cells(print_.dictionary, print_.id)
     n = len(cells)
     # Round the cells a ring of paper, then one of wall; borders between them at -paper, 0, 1 .. n, n + paper.
@@ -110,14 +111,14 @@ def _cover(
 
 
 def _border(x: Array, n: int, paper: float, width: float) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-    """Number (in the table) of the cell before the nearest border, and the share that lies behind the border."""
+    """Number (in the table) of the cell before the nearest border, and the fraction that lies behind the border."""
     nearest = np.clip(np.rint(x), 0.0, float(n))
     number = nearest + 1.0
     low, high = x < -0.5 * paper, x > n + 0.5 * paper  # nearer to the sheet's edge than to the print's
     nearest = np.where(low, -paper, np.where(high, n + paper, nearest))
     number = np.where(low, 0.0, np.where(high, n + 2.0, number))
-    share = np.clip(0.5 + (x - nearest) / width, 0.0, 1.0)
-    return number.astype(np.int32), share.astype(np.float32)
+    behind = np.clip(0.5 + (x - nearest) / width, 0.0, 1.0)
+    return number.astype(np.int32), behind.astype(np.float32)
 
 
 def _pixel_to_cells(print_: Print, K: Array, n: int) -> Array:
@@ -136,7 +137,7 @@ def _sample_width(H: Array, u: float, v: float, samples: int) -> tuple[float, fl
     return float(np.abs(J[0]).max()) / samples, float(np.abs(J[1]).max()) / samples
 
 
-def white_share(
+def white_fraction(
     print_: Print,
     camera: DegradedCamera,
     box: Box,
@@ -146,11 +147,11 @@ def white_share(
     endless_paper: bool = False,
     shift: tuple[float, float] = (0.0, 0.0),
 ) -> Array:
-    """The exposed box (height, width): 0 ink, 1 paper; blurred, without noise.
+    """The exposed box (height, width): 0 ink, 1 paper; with PSF and motion blur, without noise.
 
     Args:
         motion: path of the image during the exposure [px].
-        endless_paper: no wall: the sheet never ends (what the estimator is told).
+        endless_paper: no wall: the sheet never ends (what the estimator assumes).
         shift: of the pixels [px].
     """
     S = samples or samples_for(print_, camera)
@@ -162,19 +163,19 @@ def white_share(
     fine = reflectance(print_, camera.K, box, S, paper, outside, border, shift)
     if np.any(path):
         fine = cv2.filter2D(fine, -1, _line_kernel(np.multiply(path, float(S))), borderType=cv2.BORDER_REPLICATE)
-    across, down = (_blur_and_area(n, camera.blur_sd, S) for n in (fine.shape[1] // S, fine.shape[0] // S))
+    across, down = (_psf_and_area(n, camera.blur_sd, S) for n in (fine.shape[1] // S, fine.shape[0] // S))
     mean = np.asarray(((down @ fine) @ across.T), dtype=np.float64)
     return mean[border:-border, border:-border]
 
 
 @lru_cache(maxsize=64)
-def _blur_and_area(pixels: int, blur_sd: float, samples: int) -> csr_array:
-    """(pixels, pixels * samples): Gaussian blur on the grid of samples and the mean over each pixel in one, along one
+def _psf_and_area(pixels: int, psf_sd: float, samples: int) -> csr_array:
+    """(pixels, pixels * samples): a Gaussian PSF on the grid of samples and the mean over each pixel in one, along one
     direction; the grid's border continues outside."""
     kernel = np.ones(1)
-    if blur_sd > 0.0:
-        reach = math.ceil(5.0 * blur_sd * samples)
-        kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / (blur_sd * samples)) ** 2)
+    if psf_sd > 0.0:
+        reach = math.ceil(5.0 * psf_sd * samples)
+        kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / (psf_sd * samples)) ** 2)
     kernel = np.convolve(kernel / kernel.sum(), np.full(samples, 1.0 / samples))
     reach = (len(kernel) - samples) // 2
     rows = np.repeat(np.arange(pixels), len(kernel))
@@ -205,8 +206,8 @@ def clean_image(prints: list[Print], camera: DegradedCamera, motion: ArrayLike =
         if box[0] >= box[2] or box[1] >= box[3]:
             continue
         black, white, _ = camera.levels
-        share = white_share(print_, camera, box, motion=motion)
-        image[box[1] : box[3], box[0] : box[2]] = black + (white - black) * share
+        white_part = white_fraction(print_, camera, box, motion=motion)
+        image[box[1] : box[3], box[0] : box[2]] = black + (white - black) * white_part
     return image
 
 

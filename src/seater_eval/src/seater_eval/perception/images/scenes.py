@@ -13,8 +13,8 @@ WRONG_BRANCH = math.radians(10.0)  # a normal that is farther off is the other s
 
 
 def facing(x: float, y: float, z: float, yaw: float = 0.0, pitch: float = 0.0, roll: float = 0.0) -> Array:
-    """T_optical_marker (4, 4) of a print at (x, y, z) [m] that faces the camera and is then turned about the vertical by yaw,
-    about the horizontal by pitch, and in its plane by roll [rad]."""
+    """T_optical_marker (4, 4) of a print at (x, y, z) [m] that faces the camera and is then turned about the vertical
+    by yaw, about the horizontal by pitch, and in its plane by roll [rad]."""
     T = np.eye(4)
     turns = [(0.0, yaw, 0.0), (pitch, 0.0, 0.0)]
     about_y, about_x = (cv2.Rodrigues(np.array(turn))[0] for turn in turns)
@@ -27,8 +27,9 @@ def facing(x: float, y: float, z: float, yaw: float = 0.0, pitch: float = 0.0, r
 def upright(
     distance: float, yaw: float, random: np.random.Generator, spread: float = 0.25, tilt: float = 0.01
 ) -> Array:
-    """A print on a wall at about this distance along the axis, somewhere in the image (`spread`: of distance, to each side),
-    turned by +- yaw, with small errors of mounting and floor (`tilt` [rad] standard deviation of pitch and roll)."""
+    """A print on a wall at about this distance along the axis, somewhere in the image (`spread`: of distance, to each
+    side), turned by +- yaw, with small errors of mounting and floor (`tilt` [rad] standard deviation of pitch and
+    roll)."""
     x, y = random.uniform(-spread, spread) * distance, random.uniform(-0.4 * spread, 0.4 * spread) * distance
     sign = 1.0 if random.random() < 0.5 else -1.0
     pitch, roll = tilt * random.standard_normal(2)
