@@ -10,8 +10,8 @@ from seater_nmpc.control.command import Counters, Status
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.control.limits import clamp, in_bay
 from seater_nmpc.observe.prediction import CommandHistory, coasting_pose
-from seater_nmpc.ocp.programme import ProblemData, WarmStart
 from seater_nmpc.parameters import ControlParameters, Prediction
+from seater_nmpc.programme import ProblemData, WarmStart
 from seater_nmpc.solve.interface import Solution, SolveStatus
 
 PERIOD, CHAIR, DOCK = 0.05, Chair(), Dock()

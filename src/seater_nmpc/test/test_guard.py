@@ -15,8 +15,8 @@ from seater_nmpc.control.limits import clamp
 from seater_nmpc.ocp.areas import dock_areas
 from seater_nmpc.ocp.formulations import make_problem
 from seater_nmpc.ocp.problem import Problem
-from seater_nmpc.ocp.programme import ProblemData, WarmStart
 from seater_nmpc.parameters import ControlParameters
+from seater_nmpc.programme import ProblemData, WarmStart
 from seater_nmpc.solve import guard
 from seater_nmpc.solve.guard import GuardedSolver
 from seater_nmpc.solve.interface import Solution, SolveStatus

@@ -10,8 +10,8 @@ from seater_nmpc.ocp.areas import dock_areas
 from seater_nmpc.ocp.constraints.corners import separating_angle
 from seater_nmpc.ocp.docking_problem import DockingProblem
 from seater_nmpc.ocp.formulations import make_problem
-from seater_nmpc.ocp.programme import WarmStart
 from seater_nmpc.parameters import ControlParameters, IpoptParameters, Weights
+from seater_nmpc.programme import WarmStart
 from seater_nmpc.solve.interface import SolveStatus
 from seater_nmpc.solve.ipopt import IpoptSolver
 from seater_nmpc.solve.registry import make_solver

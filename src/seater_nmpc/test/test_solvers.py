@@ -16,8 +16,8 @@ from seater_nmpc.ocp.constraints.corners import best_angle
 from seater_nmpc.ocp.formulations import make_problem
 from seater_nmpc.ocp.model import augmented_step, step_curvature
 from seater_nmpc.ocp.problem import step_lengths
-from seater_nmpc.ocp.programme import WarmStart
 from seater_nmpc.parameters import ControlParameters, IpoptParameters, RtiParameters, weight_set
+from seater_nmpc.programme import WarmStart
 from seater_nmpc.solve.interface import SolveStatus
 from seater_nmpc.solve.ipopt import IpoptSolver
 from seater_nmpc.solve.registry import make_solver

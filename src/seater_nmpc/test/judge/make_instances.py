@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 
 from seater_common.geometry import Chair, Dock, clearance
 from seater_common.params import load
+from seater_common.separation import convex_outline
 from seater_nmpc.ocp.areas import dock_areas
 from seater_nmpc.ocp.formulations import make_problem
 from seater_nmpc.ocp.problem import Problem
-from seater_nmpc.ocp.programme import ProblemData
-from seater_nmpc.ocp.separation import convex_outline
 from seater_nmpc.parameters import NmpcParameters
+from seater_nmpc.programme import ProblemData
 
 Array = NDArray[np.float64]
 

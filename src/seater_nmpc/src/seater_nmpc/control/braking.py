@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import Chair
 from seater_common.se2 import arc_step, wrap_angles
-from seater_nmpc.ocp.separation import edge_distances, footprints
+from seater_common.separation import edge_distances, footprints
 
 Array = NDArray[np.float64]
 

@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import compose, relative
+from seater_common.separation import convex_outline
 from seater_nmpc.control.braking import BrakingCheck, braked, curvature_at
 from seater_nmpc.control.command import Command, Counters, Status
 from seater_nmpc.control.limits import clamp, in_bay, within_reach
 from seater_nmpc.control.replanner import Replanner, composed
 from seater_nmpc.observe.prediction import CommandHistory, coasting_pose
 from seater_nmpc.ocp.areas import dock_areas
-from seater_nmpc.ocp.separation import convex_outline
 from seater_nmpc.parameters import ControlParameters
 from seater_nmpc.solve.interface import Solution, Solver, SolveStatus
 

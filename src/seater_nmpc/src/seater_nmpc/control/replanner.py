@@ -12,8 +12,8 @@ from seater_common.geometry import Chair
 from seater_common.se2 import inverse, relative, transform_points, wrap_angles
 from seater_nmpc.ocp.areas import Areas
 from seater_nmpc.ocp.formulations import make_problem
-from seater_nmpc.ocp.programme import Plan, WarmStart
 from seater_nmpc.parameters import ControlParameters
+from seater_nmpc.programme import Plan, WarmStart
 from seater_nmpc.solve.guard import GuardedSolver
 from seater_nmpc.solve.interface import Solution, Solver, SolveStatus
 from seater_nmpc.solve.registry import make_solver

@@ -14,8 +14,8 @@ from seater_common.geometry import Chair
 from seater_nmpc.ocp.areas import Areas
 from seater_nmpc.ocp.constraints.interface import AreaConstraint, Indices, Slack, Stage, columns
 from seater_nmpc.ocp.constraints.obstacles import ObstacleConstraint
-from seater_nmpc.ocp.programme import StageProgramme
 from seater_nmpc.parameters import ControlParameters
+from seater_nmpc.programme import StageProgramme
 
 Array = NDArray[np.float64]
 

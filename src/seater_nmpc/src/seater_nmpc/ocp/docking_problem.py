@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from seater_nmpc.ocp.jerk import JerkLimits
 from seater_nmpc.ocp.model import augmented_step, step_curvature
 from seater_nmpc.ocp.problem import Problem
-from seater_nmpc.ocp.programme import StageProgramme
+from seater_nmpc.programme import StageProgramme
 
 Array = NDArray[np.float64]
 

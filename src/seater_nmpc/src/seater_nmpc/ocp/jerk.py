@@ -6,8 +6,8 @@ import math
 
 import casadi as ca
 
-from seater_nmpc.ocp.programme import StageProgramme
 from seater_nmpc.parameters import ControlParameters
+from seater_nmpc.programme import StageProgramme
 
 
 class JerkLimits:

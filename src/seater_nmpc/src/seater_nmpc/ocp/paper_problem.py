@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from seater_nmpc.ocp.model import euler_pose_step
 from seater_nmpc.ocp.problem import Problem
-from seater_nmpc.ocp.programme import StageProgramme
+from seater_nmpc.programme import StageProgramme
 
 Array = NDArray[np.float64]
 

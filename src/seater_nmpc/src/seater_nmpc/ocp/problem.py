@@ -16,8 +16,8 @@ from seater_common.geometry import Chair
 from seater_nmpc.ocp.area_constraints import AreaConstraints
 from seater_nmpc.ocp.areas import Areas
 from seater_nmpc.ocp.jerk import JerkLimits
-from seater_nmpc.ocp.programme import Plan, ProblemData, StageProgramme
 from seater_nmpc.parameters import ControlParameters
+from seater_nmpc.programme import Plan, ProblemData, StageProgramme
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.se2 import inverse, transform_points
-from seater_nmpc.ocp.separation import convex_outline
+from seater_common.separation import convex_outline
 
 Array = NDArray[np.float64]
 

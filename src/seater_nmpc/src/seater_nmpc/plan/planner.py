@@ -17,8 +17,8 @@ from scipy.sparse.csgraph import dijkstra
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import wrap_angles
+from seater_common.separation import edge_distances, footprints
 from seater_nmpc.ocp.constraints.view import outermost_markers
-from seater_nmpc.ocp.separation import edge_distances, footprints
 from seater_nmpc.parameters import PlannerParameters
 from seater_nmpc.plan.lattice import BACKWARD, FORWARD, STAND, Lattice
 

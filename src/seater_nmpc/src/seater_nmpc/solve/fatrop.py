@@ -8,8 +8,8 @@ import casadi as ca
 import numpy as np
 
 from seater_nmpc.ocp.problem import Problem
-from seater_nmpc.ocp.programme import ProblemData, WarmStart
 from seater_nmpc.parameters import ControlParameters, FatropParameters
+from seater_nmpc.programme import ProblemData, WarmStart
 from seater_nmpc.solve.interface import Array, Solution
 from seater_nmpc.solve.nlpsol import run_nlpsol
 

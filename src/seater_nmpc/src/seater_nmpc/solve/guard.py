@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from seater_nmpc.ocp.programme import ProblemData, WarmStart
+from seater_nmpc.programme import ProblemData, WarmStart
 from seater_nmpc.solve.interface import Solution, Solver, SolveStatus, all_finite, failed, outside
 
 # A solver that stops at its limit comes back a little after it; by more than this fraction, and the result is late.

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_nmpc.ocp.problem import Problem
-from seater_nmpc.ocp.programme import ProblemData, WarmStart
 from seater_nmpc.parameters import ControlParameters
+from seater_nmpc.programme import ProblemData, WarmStart
 
 Array = NDArray[np.float64]
 

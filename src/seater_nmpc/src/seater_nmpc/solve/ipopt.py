@@ -7,8 +7,8 @@ from typing import Any, ClassVar, Self
 import casadi as ca
 
 from seater_nmpc.ocp.problem import Problem
-from seater_nmpc.ocp.programme import ProblemData, WarmStart
 from seater_nmpc.parameters import ControlParameters, IpoptParameters
+from seater_nmpc.programme import ProblemData, WarmStart
 from seater_nmpc.solve.interface import Solution
 from seater_nmpc.solve.nlpsol import run_nlpsol
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import casadi as ca
 
-from seater_nmpc.ocp.programme import ProblemData, WarmStart
+from seater_nmpc.programme import ProblemData, WarmStart
 from seater_nmpc.solve.interface import Solution, SolveStatus, all_finite, failed, outside
 
 # What Ipopt says when a function was not finite: what it gives back is where it started, however feasible that looks.

@@ -14,8 +14,8 @@ import numpy as np
 import piqp
 from scipy.sparse import csc_matrix
 
-from seater_nmpc.ocp.programme import ProblemData
 from seater_nmpc.parameters import RtiParameters
+from seater_nmpc.programme import ProblemData
 from seater_nmpc.solve.buffered_function import BufferedFunction
 from seater_nmpc.solve.interface import Array
 

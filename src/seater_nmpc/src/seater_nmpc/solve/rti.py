@@ -12,8 +12,8 @@ import numpy as np
 import piqp
 
 from seater_nmpc.ocp.problem import Problem
-from seater_nmpc.ocp.programme import ProblemData, WarmStart
 from seater_nmpc.parameters import ControlParameters, RtiParameters
+from seater_nmpc.programme import ProblemData, WarmStart
 from seater_nmpc.solve.interface import Array, Solution, Solver, SolveStatus, all_finite, failed
 from seater_nmpc.solve.ipopt import IpoptSolver
 from seater_nmpc.solve.quadratic_model import NoStepError, QuadraticModel

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from seater_common.geometry import Chair, Limits
 from seater_nmpc.ocp.constraints.interface import AreaConstraint, Slack, Stage
 from seater_nmpc.ocp.constraints.walls import HalfPlane
-from seater_nmpc.ocp.programme import StageProgramme
 from seater_nmpc.parameters import ControlParameters
+from seater_nmpc.programme import StageProgramme
 
 Array = NDArray[np.float64]
 

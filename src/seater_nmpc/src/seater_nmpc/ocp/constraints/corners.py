@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from seater_common.geometry import Bay, Chair
 from seater_common.se2 import transform_points
 from seater_nmpc.ocp.constraints.interface import AreaConstraint, Indices, Slack, Stage, columns
-from seater_nmpc.ocp.programme import StageProgramme
 from seater_nmpc.parameters import ControlParameters
+from seater_nmpc.programme import StageProgramme
 
 Array = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.geometry import Chair
-from seater_nmpc.ocp.programme import StageProgramme
 from seater_nmpc.parameters import ControlParameters
+from seater_nmpc.programme import StageProgramme
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.geometry import Chair
+from seater_common.separation import footprints, nearest, separating_lines
 from seater_nmpc.ocp.constraints.interface import AreaConstraint, Slack, Stage
-from seater_nmpc.ocp.programme import StageProgramme
-from seater_nmpc.ocp.separation import footprints, nearest, separating_lines
 from seater_nmpc.parameters import ControlParameters
+from seater_nmpc.programme import StageProgramme
 
 Array = NDArray[np.float64]
 

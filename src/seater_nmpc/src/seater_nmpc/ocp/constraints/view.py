@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from seater_common.geometry import CameraMount, Chair, Dock
 from seater_common.se2 import transform_points
 from seater_nmpc.ocp.constraints.interface import AreaConstraint, Slack, Stage
-from seater_nmpc.ocp.programme import StageProgramme
 from seater_nmpc.parameters import ControlParameters
+from seater_nmpc.programme import StageProgramme
 
 Array = NDArray[np.float64]
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from seater_common.geometry import Chair, polygon_distance
-from seater_nmpc.ocp.separation import convex_outline, edge_distances, footprints, nearest, separating_lines
+from seater_common.separation import convex_outline, edge_distances, footprints, nearest, separating_lines
 
 CHAIR = Chair()
 
