@@ -150,7 +150,7 @@ TEST_F(FamilyFolder, aWrongFileSaysWhatIsWrong) {
       {replaced(good, "110 010 001", "110 010 002"), "codes[0]"},
       {replaced(good, "110 010 001", "101 010 101"),
        "codes[0]: differs from codes[0], turned by 90 degrees, by 0 bits"},
-      {replaced(good, "110 010 001", "111 001 100"), "codes[0]: differs from codes[1], turned by 90 degrees, by 0"},
+      {replaced(good, "110 010 001", "111 100 001"), "codes[0]: differs from codes[1], turned by 90 degrees, by 0"},
       {replaced(good, "correctable_bits: 0", "correctable_bits: 3"), "must differ by at least 7"},
       {"codes: [", "cannot be read as YAML"},
   };
