@@ -89,8 +89,9 @@ CAPTIONS = {
     },
     "seater_nmpc": {
         "ros": "docking node", "sequence": "goal to result", "control": "one command a cycle", "plan": "paths",
-        "observe": "where dock and chair are", "solve": "solvers", "ocp": "model, cost", "parameters": "",
-        "ocp/constraints": "walls, view, ...", "controller": "for other programs",
+        "observe": "where dock and chair are", "solve": "solvers", "ocp": "model, cost",
+        "ocp/constraints": "walls, view, ...", "controller": "for other programs", "parameters": "what a user tunes",
+        "programme": "NLP in stages",
     },
     "seater_sim": {
         "ros": "the node", "loop": "steps in lock-step", "camera": "rendered images", "chair": "plant, odometry",
