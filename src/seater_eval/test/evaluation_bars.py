@@ -23,7 +23,7 @@ UNDECIDABLE = {"visp-images-data: worst position error / best of OpenCV's refine
 def bar_case(suite: ElementTree.Element, bar: dict[str, Any]) -> ElementTree.Element:
     """The bar as a test case of the suite; the problem, if any, is a child of the case."""
     case = ElementTree.SubElement(suite, "testcase", classname=suite.get("name", ""), name=bar["name"])
-    text = f"{bar['value']} {bar['unit']}, limit {bar['limit']} {bar['unit']}; {bar['note']}"
+    text = f"{bar['value']}, {bar['sense']} {bar['limit']} {bar.get('unit', '')} {bar.get('note', '')}".rstrip()
     if not bar["met"]:
         undecidable = bar["name"] in UNDECIDABLE and bar["value"] is not None
         ElementTree.SubElement(case, "skipped" if undecidable else "failure", message=text)
