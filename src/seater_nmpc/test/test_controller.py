@@ -101,7 +101,7 @@ def test_an_unknown_target_is_named(controller) -> None:
 
 
 class FailingSolver:
-    """Passes on to a real solver until told to fail."""
+    """Passes on to a real solver until its mode is a fault."""
 
     name = "failing"
 

@@ -101,7 +101,7 @@ def shadow_bars(data: dict[str, Any]) -> list[Bar]:
     normalised = [row["normalised_error_squared"] for row in rows]
     worst = None if None in normalised else max(normalised, default=None)
     return [
-        Bar("share found, half the light or more in the shadow", fraction, FOUND, "", "at least"),
+        Bar("fraction found, half the light or more in the shadow", fraction, FOUND, "", "at least"),
         Bar("images that OpenCV default finds more, worst case", fewer, 0.0),
         Bar("mean normalised error squared, half the light or more", worst, 6.0),
     ]

@@ -20,9 +20,8 @@ from seater_nmpc.solve.registry import make_solver
 
 Array = NDArray[np.float64]
 
-_COLD_ROUNDS = (
-    4  # solves of a cold start among obstacles, each with the lines that separate the last one's plan from them
-)
+# Solves of a cold start among obstacles, each with the lines that separate the last one's plan from them.
+_COLD_ROUNDS = 4
 _RESTART_AFTER = 3  # failed solves in a row after which the warm start is thrown away
 
 

@@ -19,7 +19,8 @@ from seater_nmpc.programme import StageProgramme
 
 Array = NDArray[np.float64]
 
-_VIOLATIONS = slice(0, int(Slack.VIEW))  # the slacks that are violations of the plan; the view is a wish
+# The slacks that are violations of the plan: all kinds before the view, which is a wish.
+_VIOLATIONS = slice(0, int(Slack.VIEW))
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,8 @@
 simulator = Simulator(settings, Chair(), Dock(), CameraModel.from_mapping(yaml.safe_load(open(path))), [-1.5, 0.3, 0])
 while True:
     due = simulator.step()
-    for image in due.images:
-        image = image.render()          # only here is anything drawn
+    for taken in due.images:
+        image = taken.render()          # only here is anything drawn
     if due.odometry is not None:
         simulator.command(v, omega)
 """

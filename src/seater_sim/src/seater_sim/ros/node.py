@@ -154,7 +154,7 @@ class SimNode:
             self._links.publish_collisions(collisions)
 
     def _keep_pace(self, started: float, first_ns: int) -> None:
-        """Not faster than ~rate times wall time."""
+        """At most as fast as ~rate times wall time."""
         if self._options.rate > 0.0:
             ahead = (self._simulator.time_ns - first_ns) / NANOSECONDS / self._options.rate
             left = started + ahead - time.monotonic()
