@@ -37,6 +37,8 @@ class MarkerCovered(DockingCase):
         fused = [message for message in self.innovations if message.outcome == DockInnovation.FUSED]
         self.assertGreater(len(fused), 10, "the observer does not say what it made of the images")
         self.assertTrue(all(m.accepted and 0.0 <= m.gate_ratio <= 1.0 and m.sd_x > 0.0 for m in fused))
+        stamps = [m.header.stamp.to_nsec() for m in self.innovations]
+        self.assertEqual(len(stamps), len(set(stamps)), "an image was reported twice")
         self.assertLessEqual(max(m.header.stamp.to_sec() for m in self.innovations), self.last_seen)
 
         time, way = travelled(self.truth, self.last_seen)
