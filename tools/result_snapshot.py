@@ -32,10 +32,10 @@ from numpy.typing import NDArray
 import seater_perception as sp
 from seater_common.geometry import Chair
 from seater_eval.control.controller_campaign import run_campaign
-from seater_eval.perception.degraded_camera import load_degraded_camera
-from seater_eval.perception.negatives import KINDS, OTHER_IDS, negative
-from seater_eval.perception.render import Print, clean_image, exposed
-from seater_eval.perception.scenes import upright
+from seater_eval.perception.images.degraded_camera import load_degraded_camera
+from seater_eval.perception.images.negatives import KINDS, OTHER_IDS, negative
+from seater_eval.perception.images.render import Print, clean_image, exposed
+from seater_eval.perception.images.scenes import upright
 from seater_eval.run.config_files import load_dock
 from seater_sim.camera.camera import Camera
 from seater_sim.camera.camera_model import CameraModel

@@ -31,6 +31,14 @@ def test_the_figure_shows_the_rooms_and_arrows_of_today() -> None:
     assert run.returncode == 0, run.stdout + run.stderr
 
 
+@pytest.mark.skipif(find_spec("seater_perception") is None, reason="seater_perception is not built: ./seater build")
+@pytest.mark.parametrize("tool", sorted((ROOT / "tools").glob("*.py")), ids=lambda path: path.name)
+def test_tools_start(tool: Path) -> None:
+    """What they import is there: nothing else runs result_snapshot.py."""
+    run = subprocess.run([sys.executable, str(tool), "--help"], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+
+
 def test_result_codes_are_those_of_the_action_and_each_says_what_to_do() -> None:
     _, result, feedback = (ROOT / "src/seater_msgs/action/Dock.action").read_text().split("---")
     codes = {(number, name) for name, number in CONSTANT.findall(result)}
