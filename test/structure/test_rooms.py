@@ -17,8 +17,8 @@ def real_arrows(package: str) -> Arrows:
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_arrows_are_the_declared_ones(package: str) -> None:
-    real, told = real_arrows(package), declared()[package]
-    assert {room: sorted(used) for room, used in real.items()} == {room: sorted(used) for room, used in told.items()}
+    real, wanted = real_arrows(package), declared()[package]
+    assert {room: sorted(used) for room, used in real.items()} == {room: sorted(used) for room, used in wanted.items()}
 
 
 @pytest.mark.parametrize("package", PACKAGES)

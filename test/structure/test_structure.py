@@ -7,7 +7,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PYTHON_ROS = re.compile(r"^\s*(?:import|from)\s+(rospy|rosbag|actionlib|tf2_ros|tf|cv_bridge|\w+_msgs)\b", re.MULTILINE)
-CPP_ROS = re.compile(r"#include\s*[<\"](ros/|nodelet/|image_transport/|cv_bridge/|tf2_ros/|\w+_msgs/)")
+CPP_ROS = re.compile(
+    r"#include\s*[<\"](ros/|nodelet/|image_transport/|cv_bridge/|tf2\w*/|diagnostic_updater/|message_filters/|\w+_msgs/)"
+)
 
 
 def is_adapter(path: Path) -> bool:
@@ -30,8 +32,9 @@ def test_python_core_imports_no_ros(path: Path) -> None:
 @pytest.mark.parametrize(
     "path",
     core_files("src/seater_*/include/**/*.h")
+    + core_files("src/seater_*/src/**/*.h")
     + core_files("src/seater_*/src/**/*.cpp")
-    + core_files("src/*/tools/*.cpp"),
+    + core_files("src/seater_*/python/*"),
     ids=lambda p: str(p.relative_to(ROOT)),
 )
 def test_cpp_core_includes_no_ros(path: Path) -> None:
@@ -48,6 +51,6 @@ def test_launch_files_use_no_absolute_topic_names(launch: Path) -> None:
     assert not re.search(r'<remap[^>]*"/', launch.read_text())
 
 
-@pytest.mark.parametrize("script", ["seater", "tools/make_venv.sh", "tools/run_tests.py", ".ci/run"])
+@pytest.mark.parametrize("script", ["seater", "tools/make_venv.sh", "tools/lint.sh", "tools/run_tests.py", ".ci/run"])
 def test_scripts_are_executable(script: str) -> None:
     assert (ROOT / script).stat().st_mode & 0o111
