@@ -160,8 +160,8 @@ struct Bound {
   double rotation() const { return std::sqrt(covariance.bottomRightCorner<3, 3>().trace()); }
 };
 
-/// Cramer-Rao bound with unknown pose, offset and gain of each print and, if told so, blur and two slopes of
-/// brightness.
+/// Cramer-Rao bound with unknown pose, offset and gain of each print and, if asked for, point spread function and two
+/// slopes of brightness.
 inline Bound cramerRao(const View& setup, double noise, bool blur, bool slopes) {
   const int shared = 6 + (blur ? 1 : 0), own = slopes ? 4 : 2;
   const int n = shared + own * static_cast<int>(setup.prints.size());
@@ -238,9 +238,10 @@ inline View single(double size, double distance, double yaw, double pitch = 0.0,
   return setup;
 }
 
-/// A seed as corner detection would give it: some tenths of a pixel, a percent of the distance and degrees off.
-inline Isometry3d seedNear(const View& setup, std::mt19937& random, double pixels = 0.3, double depth = 0.01,
-                           double turn = 0.03) {
+/// An initial pose as corner detection would give it: some tenths of a pixel, a percent of the distance and degrees
+/// off.
+inline Isometry3d initialNear(const View& setup, std::mt19937& random, double pixels = 0.3, double depth = 0.01,
+                              double turn = 0.03) {
   std::normal_distribution<double> n;
   const double lateral = pixels * setup.pose.translation().z() / setup.camera.K[0];
   Vector6d change;

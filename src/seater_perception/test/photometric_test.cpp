@@ -31,9 +31,9 @@ std::vector<PatternPlacement> placementsOf(const View& view) {
   return placements;
 }
 
-PhotometricResult refine(const View& view, const cv::Mat& grey, const Isometry3d& seed,
+PhotometricResult refine(const View& view, const cv::Mat& grey, const Isometry3d& initial,
                          const PhotometricParameters& parameters = {}) {
-  return PhotometricRefiner(parameters).refine(grey, CameraModel::raw(view.camera), placementsOf(view), seed);
+  return PhotometricRefiner(parameters).refine(grey, CameraModel::raw(view.camera), placementsOf(view), initial);
 }
 
 /// Finest image there is: 16 bit without noise. Its grey levels are 200 times those of the view.
@@ -62,7 +62,7 @@ Statistics statistics(const View& view, const cv::Mat& clean, double noise, int 
   Vector3d mean = Vector3d::Zero();
   for (int i = 0; i < seeds; ++i) {
     const auto result = refine(view, photo_scene::withNoise(clean, noise, static_cast<unsigned>(i)),
-                               photo_scene::seedNear(view, random), p);
+                               photo_scene::initialNear(view, random), p);
     if (!result.converged) continue;
     ++s.converged;
     const Vector6d e = photo_scene::errorOf(result.pose, view.pose);
@@ -134,20 +134,20 @@ TEST(PhotometricModel, SmoothsAsNumericIntegrationDoes) {
 
 /// The kernel on pixels collected from an image, of which only their places matter here.
 struct Kernel {
-  Kernel(const View& seen, double blur_sd) : view(seen), camera(CameraModel::raw(seen.camera)) {
+  Kernel(const View& seen, double psf_sd) : view(seen), camera(CameraModel::raw(seen.camera)) {
     const cv::Mat grey(seen.camera.height, seen.camera.width, CV_8U, cv::Scalar(100));
-    SampleCollector().collect(grey, camera, placementsOf(seen)[0], seen.pose, blur_sd, 0.3, 100000, false, {}, samples);
+    SampleCollector().collect(grey, camera, placementsOf(seen)[0], seen.pose, psf_sd, 0.3, 100000, false, {}, samples);
     const auto n = static_cast<std::size_t>(samples.batch.padded);
     white.resize(n);
     by.resize(9 * n);
   }
 
   /// White of all pixels; `by` gets the derivatives.
-  const std::vector<float>& at(const Isometry3d& pose, const SpreadCovariance& spread, int blur = 3) {
+  const std::vector<float>& at(const Isometry3d& pose, const SpreadCovariance& spread, int psf = 3) {
     MarkerView seen;
     EXPECT_TRUE(MarkerView::make(pose, 6 / view.prints[0].size, 0.0, view.camera.K[0], view.camera.K[4], spread,
                                  samples, seen));
-    renderBatch(samples.batch, seen, blur, white.data(), by.data(), samples.batch.padded);
+    renderBatch(samples.batch, seen, psf, white.data(), by.data(), samples.batch.padded);
     return white;
   }
 
@@ -261,7 +261,7 @@ TEST(Photometric, NoBiasWithoutNoise) {
   for (const double tilt : {0.0, 30.0}) {
     for (const double distance : {0.35, 1.0, 2.0, 2.8}) {
       const View view = photo_scene::single(0.1, distance, tilt * kDegree, 0.4 * tilt * kDegree);
-      const auto result = refine(view, fine(photo_scene::clean(view)), photo_scene::seedNear(view, random));
+      const auto result = refine(view, fine(photo_scene::clean(view)), photo_scene::initialNear(view, random));
       ASSERT_TRUE(result.converged) << result.failure;
       EXPECT_LT(pixelError(view, result.pose), 0.005) << distance << " m, " << tilt << " deg";  // measured: 0.001
       EXPECT_NEAR(result.psf_sd, view.blur, 0.01);
@@ -276,14 +276,14 @@ TEST(Photometric, NoBiasWithNarrowBlurDistortionAndOtherNoise) {
   PhotometricParameters parameters;
   parameters.psf_sd = 0.35;
   const auto sharp =
-      refine(narrow, fine(photo_scene::clean(narrow)), photo_scene::seedNear(narrow, random, 0.2), parameters);
+      refine(narrow, fine(photo_scene::clean(narrow)), photo_scene::initialNear(narrow, random, 0.2), parameters);
   ASSERT_TRUE(sharp.converged) << sharp.failure;
   EXPECT_LT(pixelError(narrow, sharp.pose), 0.01);
   View lens = photo_scene::single(0.1, 0.6, 0.4);
   lens.camera.D = {-0.25, 0.08, 0.001, -0.002, 0.0};
   lens.pose.translation() += Vector3d(0.25, 0.12, 0.0);
   lens.prints[0].T_optical_marker = lens.pose;
-  const auto bent = refine(lens, fine(photo_scene::clean(lens)), photo_scene::seedNear(lens, random));
+  const auto bent = refine(lens, fine(photo_scene::clean(lens)), photo_scene::initialNear(lens, random));
   ASSERT_TRUE(bent.converged) << bent.failure;
   EXPECT_LT(pixelError(lens, bent.pose), 0.01);
 }
@@ -308,7 +308,7 @@ TEST(Photometric, ErrorsReachTheCramerRaoBoundAndTheCovarianceSaysSo) {
   }
 }
 
-// The price of camera rate: with the default number of pixels, large markers stay within twice their bound.
+// What camera rate costs: with the default number of pixels, large markers stay within twice their bound.
 TEST(Photometric, DefaultPixelsStayWithinTwiceTheBound) {
   for (const double distance : {0.35, 0.6, 1.0}) {
     const View view = photo_scene::single(0.1, distance, 20.0 * kDegree);
@@ -361,15 +361,15 @@ TEST(Photometric, BlurGivenOrEstimated) {
   view.blur = 1.1;
   const cv::Mat grey = photo_scene::withNoise(photo_scene::clean(view), 2.0, 5);
   std::mt19937 random(2);
-  const Isometry3d seed = photo_scene::seedNear(view, random);
+  const Isometry3d initial = photo_scene::initialNear(view, random);
   PhotometricParameters given;
   given.psf_model = "given";
   given.psf_sd = 1.1;
   given.noise_sd = rounded(2.0);
-  const auto right = refine(view, grey, seed, given);
+  const auto right = refine(view, grey, initial, given);
   given.psf_sd = 0.7;
-  const auto wrong = refine(view, grey, seed, given);
-  const auto estimated = refine(view, grey, seed);
+  const auto wrong = refine(view, grey, initial, given);
+  const auto estimated = refine(view, grey, initial);
   ASSERT_TRUE(right.converged && wrong.converged && estimated.converged);
   EXPECT_NEAR(estimated.psf_sd, 1.1, 0.03);
   EXPECT_NEAR(right.reduced_chi_square, 1.0, 0.15);
@@ -414,7 +414,7 @@ TEST(Photometric, MotionBlurAlongOneDirection) {
   parameters.psf_model = "directed";
   std::mt19937 random(4);
   const auto result = refine(view, photo_scene::withNoise(photo_scene::clean(view), 2.0, 1),
-                             photo_scene::seedNear(view, random), parameters);
+                             photo_scene::initialNear(view, random), parameters);
   ASSERT_TRUE(result.converged) << result.failure;
   // A path of 5.1 px has a variance of 2.17 px^2 beside the 0.57 px^2 of lens and pixel: ratio of widths 2.19.
   EXPECT_NEAR(result.psf_elongation, 2.19, 0.15);
@@ -432,9 +432,10 @@ TEST(Photometric, ResidualsTellTheBranches) {
   for (std::size_t i = 0; i < 4; ++i) {
     ASSERT_TRUE(corners.add(markerCorners(0.1)[i], pixels[i] + Eigen::Vector2d(n(random), n(random)), 0.15, camera));
   }
-  const auto seeds = squareSolutions(corners);
-  ASSERT_EQ(seeds.size(), 2u);
-  const auto branches = PhotometricRefiner({}).refineBranches(grey, camera, placementsOf(view), {seeds[1], seeds[0]});
+  const auto initial = squareSolutions(corners);
+  ASSERT_EQ(initial.size(), 2u);
+  const auto branches =
+      PhotometricRefiner({}).refineBranches(grey, camera, placementsOf(view), {initial[1], initial[0]});
   ASSERT_EQ(branches.size(), 2u);
   int best = branches[0].weight > branches[1].weight ? 0 : 1;
   const auto& chosen = branches[static_cast<std::size_t>(best)];
@@ -467,7 +468,7 @@ TEST(Photometric, DrawnImagesAreFitted) {
     print.convertTo(print, CV_8U, (white - black) / 255.0, black);
     print.copyTo(image(cv::Rect(500, 300, 126, 126)));
     std::mt19937 random(3);
-    const auto result = refine(view, image, photo_scene::seedNear(view, random, 0.2, 0.003, 0.01));
+    const auto result = refine(view, image, photo_scene::initialNear(view, random, 0.2, 0.003, 0.01));
     ASSERT_TRUE(result.converged) << result.failure << ", " << black << " to " << white;
     EXPECT_LT(pixelError(view, result.pose), 0.1) << black << " to " << white;  // measured: 0.06; nothing tells more
   }
@@ -475,8 +476,8 @@ TEST(Photometric, DrawnImagesAreFitted) {
 
 TEST(Photometric, BadImagesGiveNoPoseAndNothingNotFinite) {
   const View view = photo_scene::single(0.1, 1.0, 0.3);
-  const auto check = [&](const cv::Mat& grey, const Isometry3d& seed, const char* what) {
-    const auto result = refine(view, grey, seed);
+  const auto check = [&](const cv::Mat& grey, const Isometry3d& initial, const char* what) {
+    const auto result = refine(view, grey, initial);
     EXPECT_FALSE(result.converged) << what;
     EXPECT_FALSE(result.failure.empty()) << what;
     EXPECT_TRUE(result.covariance.allFinite() && std::isfinite(result.noise_sd + result.rms + result.cost)) << what;
@@ -487,13 +488,13 @@ TEST(Photometric, BadImagesGiveNoPoseAndNothingNotFinite) {
   check(cv::Mat(size, CV_8U, cv::Scalar(255)), view.pose, "white");
   check(photo_scene::withNoise(cv::Mat(size, CV_64F, cv::Scalar(128.0)), 3.0, 1), view.pose, "noise");
   const cv::Mat good = photo_scene::withNoise(photo_scene::clean(view), 2.0, 1);
-  Isometry3d seed = view.pose;
-  seed.translation().z() = -1.0;
-  check(good, seed, "behind");
-  seed.translation() = Vector3d(5.0, 0.0, 1.0);
-  check(good, seed, "outside");
-  seed.translation().x() = std::nan("");
-  check(good, seed, "not a number");
+  Isometry3d initial = view.pose;
+  initial.translation().z() = -1.0;
+  check(good, initial, "behind");
+  initial.translation() = Vector3d(5.0, 0.0, 1.0);
+  check(good, initial, "outside");
+  initial.translation().x() = std::nan("");
+  check(good, initial, "not a number");
   cv::Mat inverted = 255 - good;
   check(inverted, view.pose, "inverted");
   EXPECT_THROW(refine(view, cv::Mat(size, CV_8UC3), view.pose), ImageError);

@@ -121,14 +121,14 @@ TEST(Track, odometryTellsWhereToLook) {
   const scene::Print before{0, 0.1, scene::upright({-0.2, 0.0, 1.5}, 0.3)},
       after{0, 0.1, scene::upright({0.2, 0.0, 1.5}, 0.3)};
   DockLayout layout = scene::defaultDock();
-  for (const bool told : {false, true}) {
+  for (const bool given : {false, true}) {
     DockTracker tracker(CameraModel::raw(c), layout, PerceptionParameters(), CameraMount());
     tracker.detect(scene::draw(c, "DICT_4X4_50", {before}, scene::Look(), 1));
     std::optional<Eigen::Isometry3d> motion;
-    if (told) motion = after.T_optical_marker * before.T_optical_marker.inverse();
+    if (given) motion = after.T_optical_marker * before.T_optical_marker.inverse();
     const auto result = tracker.detect(scene::draw(c, "DICT_4X4_50", {after}, scene::Look(), 2), motion);
     ASSERT_EQ(result.markers.size(), 1u);
-    EXPECT_EQ(result.full_search, !told) << "170 px in one image are beyond the margin";
+    EXPECT_EQ(result.full_search, !given) << "170 px in one image are beyond the margin";
   }
 }
 

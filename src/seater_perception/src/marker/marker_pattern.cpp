@@ -1,5 +1,7 @@
 #include "seater_perception/marker_pattern.h"
 
+#include <string>
+
 #include "seater_perception/errors.h"
 
 namespace seater_perception {

@@ -10,7 +10,7 @@ namespace seater_perception {
 namespace {
 
 constexpr double kReach = 4.2;  // [standard deviations] beyond it a cell border is not felt: 1e-5
-constexpr int kMaxLines = 6;    // borders within reach along one axis; more only if the blur is wider than a cell
+constexpr int kMaxLines = 6;    // borders within reach along one axis; more only if the PSF is wider than a cell
 constexpr double kNoCorrelation = 1e-5;  // adds at most rho / (2 pi), less than what kReach leaves out
 // Cubic interpolation with this step is exact to 1e-9: h^4 / 384 times the largest fourth derivative.
 constexpr int kTableSteps = 64;  // per standard deviation

@@ -23,15 +23,14 @@ constexpr double kLargestPsf = 0.95;  // [cells] standard deviation; wider, cell
 // Residuals at edges over those of flat pixels, and distance from the fitted edges' corners over its standard
 // deviation: from here on, the print is not what the model says (docs/explanation/perception.md).
 constexpr double kMisfit = 1.8, kContradiction = 1.0;
-constexpr double kCoarseCorners = 0.25;  // [cells] error of corners that no edge confirms
-constexpr double kBlurredCorners =
-    0.25;  // [standard deviations of the point spread function] the same of blurred edges
+constexpr double kCoarseCorners = 0.25;   // [cells] error of corners that no edge confirms
+constexpr double kBlurredCorners = 0.25;  // [standard deviations of the PSF] the same of blurred edges
 // [px] of a corner: what taking away a shadow's edge leaves; by the normalised errors of `perception_shadows`.
 constexpr double kShadowSigma = 0.06;
 // [px] rms, between a marker's own corners and those of the joint pose: six times corner_sigma (0.05); chosen by hand.
 constexpr double kDisplaced = 0.3;
 
-/// Grey levels that the sensor could have seen, and a blur that leaves cells to be told apart.
+/// Grey levels that the sensor could have seen, and a point spread function that leaves cells distinct.
 bool plausible(const PhotometricResult& result, double side, int cells, double full_scale) {
   // Where the image is clipped, the sensor does not know how dark or light it would have been.
   const auto beyond = [full_scale](double clipped) { return (clipped > kClipped ? 1.0 : kBeyondScale) * full_scale; };
@@ -188,7 +187,7 @@ bool compareWithCorners(const PhotometricContext& context, const MarkerEstimate&
   const double sigma = std::max(context.pose.model_sigma, marker.image.shadow ? kShadowSigma : 0.0);
   addModelError(context.camera, seen, sigma, hypotheses);
   for (auto& h : hypotheses) h.error = reprojectionError(context.camera, seen, h.pose);
-  // Corners that no edge confirms may be some tenths of a cell off, those of blurred edges some tenths of the blur.
+  // Corners that no edge confirms may be some tenths of a cell off, those of blurred edges a part of the PSF.
   const double side = marker.image.side();
   const double coarse =
       marker.image.edges_fitted ? kBlurredCorners * marker.image.psf_sd : kCoarseCorners * side / cells;

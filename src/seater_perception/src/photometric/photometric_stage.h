@@ -36,7 +36,8 @@ enum class MarkerOutcome {
   refined,       ///< poses are those of the grey levels, corners those of the best pose
   corners_kept,  ///< the print is proved, but not as the model has it (bent, cells of another width), and its fitted
                  ///< edges contradict the fitted pose: poses stay those of the corners
-  doubtful,      ///< of a tracked marker: residuals look as if the model did not hold; to be done again from its edges
+  doubtful,      ///< of a tracked marker: no fit converged, or residuals look as if the model did not hold; to be done
+                 ///< again from its edges
   refused        ///< no fit converged, or the pattern does not explain the image
 };
 

@@ -106,7 +106,7 @@ std::vector<ExpectedMarker> DockTracker::Implementation::expected(const std::map
     const auto is_it = [wanted](const MarkerEstimate& m) { return m.image.id == wanted; };
     const auto last = std::find_if(last_.markers.begin(), last_.markers.end(), is_it);
     e.by_outline = last != last_.markers.end();
-    // What the dock's pose alone tells is exact, or not worth a longer look in every image.
+    // What the dock's pose alone tells is exact, or does not justify a longer look in every image.
     const double side = meanSide(corners);
     e.reach = e.by_outline ? std::max(parameters_.margin_min, parameters_.margin * side) : kReachByDock * side;
     if (e.by_outline) {

@@ -16,7 +16,7 @@ struct ImageReport {
   double processing_time = 0.0;  ///< [s]
   bool dock_seen = false;
   bool full_search = false;  ///< the whole image was searched
-  bool odometry = false;     ///< TF told how the camera moved
+  bool odometry = false;     ///< TF knew how the camera moved
   bool ambiguous = false;    ///< more than one pose of the dock went out
 };
 

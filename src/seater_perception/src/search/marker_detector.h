@@ -19,8 +19,8 @@ struct MarkerCorners {
   /// [px] in the image as given (not undistorted), top-left, top-right, bottom-right, bottom-left as the print is
   /// read.
   Quad corners;
-  bool edges_fitted =
-      false;  ///< true: corners are intersections of fitted edges; false: of the code or cornerSubPix, less accurate
+  /// True: corners are intersections of fitted edges; false: of the code or cornerSubPix, less accurate.
+  bool edges_fitted = false;
   double corner_sigma = 0.0;          ///< standard deviation of a corner coordinate; 0: as the parameters say [px]
   double psf_sd = 0.0;                ///< of the lens' PSF, from fitted edges or grey levels; 0: not known [px]
   int template_level = -1;            ///< DecodedMarker::template_level; -1: not known
@@ -54,6 +54,9 @@ struct SearchResult {
 /// (`search: own`) or from OpenCV's detectMarkers (`opencv`). Corners: fitEdges where it succeeds; else those of the
 /// fitted code (own), or cornerSubPix with a window that follows each marker's size, so that it never reaches the next
 /// cell of the print (opencv).
+///
+/// One per thread, although its members are const: searches fill a store of templates. Results do not depend on earlier
+/// calls.
 class MarkerDetector {
  public:
   /// `ids`: markers looked for; empty: all of the family. Throws ConfigurationError for a family without markers.

@@ -89,7 +89,7 @@ SEATER_VECTOR_CLONES void standardise(const float* at, const float* inverse_sd, 
   }
 }
 
-/// out += factor * jump; the derivatives of that by the border's place and the width of the blur.
+/// out += factor * jump; the derivatives of that by the border's place and the width of the PSF.
 SEATER_VECTOR_CLONES void addBorder(const float* jump, const Border& border, int n, float* __restrict value,
                                     float* __restrict by_place, float* __restrict by_width) {
   for (int i = 0; i < n; ++i) {
@@ -155,12 +155,12 @@ void smooth(const PixelBatch& batch, int first, int n, const Hits& hits, Respons
 // With e1 = r1 - alpha r3 and e2 = r2 - beta r3, the ray's hit moves by dx = -e1 . d + w . (e1 x X), the gradients of x
 // and y by the pixel change by (dlambda / lambda - alpha w2) grad x + (w3 + alpha w1) grad y and alike, which gives the
 // changes of sx, sy and rho.
-SEATER_VECTOR_CLONES void addDerivatives(const Hits& hits, const Response& response, const MarkerView& view, int blur,
+SEATER_VECTOR_CLONES void addDerivatives(const Hits& hits, const Response& response, const MarkerView& view, int psf,
                                          float share, int n, Chunk& __restrict chunk) {
   const float inverse_depth = view.inverse_depth;
   const float half =
-      blur > 1 ? 0.0F : 0.5F / static_cast<float>(view.spread.uu);  // a round blur's relative change with its variance
-  const float round = blur > 1 ? 0.0F : 1.0F;
+      psf > 1 ? 0.0F : 0.5F / static_cast<float>(view.spread.uu);  // a round PSF's relative change with its variance
+  const float round = psf > 1 ? 0.0F : 1.0F;
   for (int i = 0; i < n; ++i) {
     const float gx = share * response.by_x[i] * hits.ix[i], gy = share * response.by_y[i] * hits.iy[i];
     const float bx = share * response.by_log_sx[i], by = share * response.by_log_sy[i];
@@ -179,7 +179,7 @@ SEATER_VECTOR_CLONES void addDerivatives(const Hits& hits, const Response& respo
     const float shift = gx * (hits.gxu[i] * wu + hits.gxv[i] * wv) + gy * (hits.gyu[i] * wu + hits.gyv[i] * wv);
     chunk.by[6][i] += half * (bx + by) - round * shift;
   }
-  if (blur < 3) return;
+  if (psf < 3) return;
   for (int i = 0; i < n; ++i) {
     const float ix = hits.ix[i], iy = hits.iy[i], rho = hits.rho[i], by_rho = share * response.by_rho[i];
     const float cx = 0.5F * (share * response.by_log_sx[i] - rho * by_rho) * ix * ix;
@@ -207,7 +207,7 @@ SEATER_VECTOR_CLONES void addOutside(const Hits& hits, float half_sheet, float s
 
 }  // namespace
 
-void renderChunk(const PixelBatch& batch, int first, int n, const MarkerView& view, int blur, Chunk& chunk) {
+void renderChunk(const PixelBatch& batch, int first, int n, const MarkerView& view, int psf, Chunk& chunk) {
   Hits hits;
   Response response;
   std::memset(&chunk, 0, sizeof chunk);
@@ -217,7 +217,7 @@ void renderChunk(const PixelBatch& batch, int first, int n, const MarkerView& vi
     meet(batch, first, n, view, ray % 2 ? offset : -offset, ray / 2 ? offset : -offset, hits);
     smooth(batch, first, n, hits, response);
     if (view.half_sheet > 0.0F) addOutside(hits, view.half_sheet, share, n, chunk.outside);
-    addDerivatives(hits, response, view, blur, share, n, chunk);
+    addDerivatives(hits, response, view, psf, share, n, chunk);
   }
 }
 

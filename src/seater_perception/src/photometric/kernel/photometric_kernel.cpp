@@ -145,16 +145,16 @@ bool MarkerView::make(const Eigen::Isometry3d& pose, double per_metre, double ha
   return true;
 }
 
-void accumulateBatch(const PixelBatch& batch, int count, const MarkerView& view, int blur, int brightness_unknowns,
+void accumulateBatch(const PixelBatch& batch, int count, const MarkerView& view, int psf, int brightness_unknowns,
                      const Brightness& brightness, const Weighing& weighing, double sum[kColumns][kColumns],
                      float* residual, float* valid) {
   const Light light = lightOf(brightness, weighing);
-  const int shared = 6 + blur;
+  const int shared = 6 + psf;
   Chunk chunk;
   Rows rows;
   for (int first = 0; first < count; first += kChunk) {
     const int n = chunkLength(count, first);
-    renderChunk(batch, first, n, view, blur, chunk);
+    renderChunk(batch, first, n, view, psf, chunk);
     for (int i = 0; i < n; ++i) valid[first + i] = first + i < count ? 1.0F : 0.0F;
     if (lightUp(batch, first, n, light, chunk, rows)) clip(batch, first, n, weighing, rows, valid + first);
     fillRows(batch, first, n, light, shared, brightness_unknowns, chunk, valid + first, residual + first, rows);
@@ -171,13 +171,13 @@ void whiteOfBatch(const PixelBatch& batch, int count, const MarkerView& view, fl
   }
 }
 
-void renderBatch(const PixelBatch& batch, const MarkerView& view, int blur, float* white, float* by, int stride) {
+void renderBatch(const PixelBatch& batch, const MarkerView& view, int psf, float* white, float* by, int stride) {
   Chunk chunk;
   for (int first = 0; first < batch.count; first += kChunk) {
     const int n = chunkLength(batch.count, first), kept = std::min(n, batch.count - first);
-    renderChunk(batch, first, n, view, blur, chunk);
+    renderChunk(batch, first, n, view, psf, chunk);
     std::copy(chunk.white, chunk.white + kept, white + first);
-    for (int k = 0; k < 6 + blur; ++k) std::copy(chunk.by[k], chunk.by[k] + kept, by + k * stride + first);
+    for (int k = 0; k < 6 + psf; ++k) std::copy(chunk.by[k], chunk.by[k] + kept, by + k * stride + first);
   }
 }
 

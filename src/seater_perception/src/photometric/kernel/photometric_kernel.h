@@ -23,7 +23,8 @@ struct MarkerView {
                    const SpreadCovariance& spread, const MarkerSamples& samples, MarkerView& view);
 };
 
-/// Largest number of columns of the normal equations: 6 of motion, 3 of blur, 5 of brightness, the residual.
+/// Largest number of columns of the normal equations: 6 of motion, 3 of the PSF (point spread function), 5 of
+/// brightness, the residual.
 constexpr int kColumns = 15;
 
 /// How residuals are weighed.
@@ -36,17 +37,17 @@ struct Weighing {
 
 /// Residuals (`residual`, and `valid` 1, or 0 for a pixel whose clipping hides everything) of the first `count` pixels,
 /// and the upper triangle of [J r]^T W [J r], added to `sum`. Columns: motion of the marker (translation [cells] and
-/// rotation [rad] along its own axes: t' = t + R d, R' = R exp([w]x)), blur (0: none, 1: variance of a round one, 3:
+/// rotation [rad] along its own axes: t' = t + R d, R' = R exp([w]x)), PSF (0: none, 1: variance of a round one, 3:
 /// variances uu, uv, vv [px^2]), brightness (2: offset, gain; 4: and slopes; 5: and rim), residual. How
-/// the rim changes with motion and blur is left out: where a sheet ends is not to tell the pose.
-void accumulateBatch(const PixelBatch& batch, int count, const MarkerView& view, int blur, int brightness_unknowns,
+/// the rim changes with motion and PSF is left out: where a sheet ends is not to tell the pose.
+void accumulateBatch(const PixelBatch& batch, int count, const MarkerView& view, int psf, int brightness_unknowns,
                      const Brightness& brightness, const Weighing& weighing, double sum[kColumns][kColumns],
                      float* residual, float* valid);
 
 /// White (0 to 1) of the first `count` pixels.
 void whiteOfBatch(const PixelBatch& batch, int count, const MarkerView& view, float* white);
 
-/// For tests: white and its derivatives (6 + blur rows of `stride` floats) of all pixels.
-void renderBatch(const PixelBatch& batch, const MarkerView& view, int blur, float* white, float* by, int stride);
+/// For tests: white and its derivatives (6 + psf rows of `stride` floats) of all pixels.
+void renderBatch(const PixelBatch& batch, const MarkerView& view, int psf, float* white, float* by, int stride);
 
 }  // namespace seater_perception

@@ -8,7 +8,7 @@ namespace seater_perception {
 /// are in an order of which every beginning is spread evenly over the marker. Arrays are padded to whole kLanes.
 struct PixelBatch {
   static constexpr int kLanes = 16;
-  static constexpr int kMostBorders = 6;  ///< felt along one axis; more only if the blur is wider than a cell
+  static constexpr int kMostBorders = 6;  ///< felt along one axis; more only if the PSF is wider than a cell
 
   int count = 0;                    ///< pixels
   int padded = 0;                   ///< length of the arrays

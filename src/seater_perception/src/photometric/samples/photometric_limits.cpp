@@ -14,9 +14,9 @@ constexpr double kNarrowest = 0.02, kWidest = 100.0;
 
 }  // namespace
 
-SpreadCovariance withArea(const SpreadCovariance& blur, int rays_per_pixel) {
+SpreadCovariance withArea(const SpreadCovariance& psf, int rays_per_pixel) {
   const double area = areaVariance(rays_per_pixel);
-  return {blur.uu + area, blur.uv, blur.vv + area};
+  return {psf.uu + area, psf.uv, psf.vv + area};
 }
 
 bool possible(const SpreadCovariance& s) {
@@ -24,14 +24,14 @@ bool possible(const SpreadCovariance& s) {
   return mean - half > kNarrowest && mean + half < kWidest;
 }
 
-void keepPossible(SpreadCovariance& blur, int rays_per_pixel) {
-  const SpreadCovariance s = withArea(blur, rays_per_pixel);
+void keepPossible(SpreadCovariance& psf, int rays_per_pixel) {
+  const SpreadCovariance s = withArea(psf, rays_per_pixel);
   const double mean = 0.5 * (s.uu + s.vv), half = std::hypot(0.5 * (s.uu - s.vv), s.uv);
   const double wide = std::clamp(mean + half, 1.1 * kNarrowest, 0.9 * kWidest);
   const double narrow = std::clamp(mean - half, 1.1 * kNarrowest, 0.9 * kWidest);
   const double shrink = half > 1e-12 ? 0.5 * (wide - narrow) / half : 0.0, area = areaVariance(rays_per_pixel);
   const double centre = 0.5 * (wide + narrow), difference = 0.5 * (s.uu - s.vv) * shrink;
-  blur = {centre + difference - area, s.uv * shrink, centre - difference - area};
+  psf = {centre + difference - area, s.uv * shrink, centre - difference - area};
 }
 
 }  // namespace seater_perception

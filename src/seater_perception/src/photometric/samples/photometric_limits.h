@@ -5,11 +5,11 @@
 
 namespace seater_perception {
 
-/// Blur of the lens and the pixel's area, as a ray sees it.
-SpreadCovariance withArea(const SpreadCovariance& blur, int rays_per_pixel);
+/// The lens' PSF and the pixel's area, as a ray sees it.
+SpreadCovariance withArea(const SpreadCovariance& psf, int rays_per_pixel);
 /// Whether the model holds for this point-spread function.
 bool possible(const SpreadCovariance& spread);
-/// Brings an estimated blur back to where the model holds.
-void keepPossible(SpreadCovariance& blur, int rays_per_pixel);
+/// Brings an estimated PSF back to where the model holds.
+void keepPossible(SpreadCovariance& psf, int rays_per_pixel);
 
 }  // namespace seater_perception

@@ -11,12 +11,12 @@ namespace {
 
 constexpr double kBoxVariance = 1.0 / 12.0;
 constexpr double kSubVariance = 0.0645497224;  // of the four rays of a pixel: sqrt(1 / 240)
-constexpr double kNarrowBlur = 0.45;           // [px] below, the box's own shape shows: 0.3 % of the contrast
+constexpr double kNarrowPsf = 0.45;            // [px] below, the box's own shape shows: 0.3 % of the contrast
 constexpr double kFeltReach = 3.2;             // [standard deviations] beyond it a border is not felt: 7e-4
 constexpr double kSheetReach = 2.2;            // [standard deviations] from the sheet's end: felt by 1.4 %
 constexpr int kBuckets = 4;                    // pixels are dealt into so many, one after the other
 
-/// How many borders along an axis each pixel has to look at: nearest ones of this blur [cells], which is `off` wrong.
+/// How many borders along an axis each pixel has to look at: nearest ones of this PSF [cells], which is `off` wrong.
 int bordersFelt(double sd, double off) {
   return std::clamp(static_cast<int>(std::ceil(2.0 * (kFeltReach * sd + off))), 1, PixelBatch::kMostBorders);
 }
@@ -51,8 +51,8 @@ double areaVariance(int rays_per_pixel) {
   return rays_per_pixel == 1 ? kBoxVariance : kBoxVariance - kSubVariance;
 }
 
-int raysPerPixel(double blur_sd) {
-  return blur_sd < kNarrowBlur ? 4 : 1;
+int raysPerPixel(double psf_sd) {
+  return psf_sd < kNarrowPsf ? 4 : 1;
 }
 
 bool SampleCollector::sheetBox(const CameraModel& camera, const PatternPlacement& placement,
@@ -75,15 +75,15 @@ bool SampleCollector::sheetBox(const CameraModel& camera, const PatternPlacement
 }
 
 void SampleCollector::collect(const cv::Mat& grey, const CameraModel& camera, const PatternPlacement& placement,
-                              const Eigen::Isometry3d& T_optical_marker, double blur_sd, double margin, int most,
+                              const Eigen::Isometry3d& T_optical_marker, double psf_sd, double margin, int most,
                               bool rim, const PhotometricParameters& parameters, MarkerSamples& samples) {
   samples.clear();
   PixelBox box;
   if (!sheetBox(camera, placement, T_optical_marker, parameters.quiet_zone, box)) return;
   if (!grid_.make(camera, box.u0, box.v0, box.u1, box.v1)) return;
-  samples.rays_per_pixel = raysPerPixel(blur_sd);
+  samples.rays_per_pixel = raysPerPixel(psf_sd);
   candidates_.clear();
-  const double sd = std::sqrt(blur_sd * blur_sd + kBoxVariance), n = placement.pattern.cells();
+  const double sd = std::sqrt(psf_sd * psf_sd + kBoxVariance), n = placement.pattern.cells();
   const double area = (box.u1 - box.u0) * static_cast<double>(box.v1 - box.v0);
   const double cells_per_pixel = (n + 2.0 * parameters.quiet_zone) / std::sqrt(area);
   // Whether the pixels near the print's outer border see what lies beyond the sheet.

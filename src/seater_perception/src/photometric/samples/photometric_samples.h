@@ -14,10 +14,10 @@ class Mat;
 
 namespace seater_perception {
 
-/// Variance [px^2] that the pixel's area adds to the blur when a pixel is looked at along this many rays.
+/// Variance [px^2] that the pixel's area adds to the PSF when a pixel is looked at along this many rays.
 double areaVariance(int rays_per_pixel);
-/// Rays per pixel needed at this blur: one where the pixel's box is as good as a Gaussian, four where it is not.
-int raysPerPixel(double blur_sd);
+/// Rays per pixel needed at this PSF: one where the pixel's box is as good as a Gaussian, four where it is not.
+int raysPerPixel(double psf_sd);
 
 /// A box of pixels, last ones included.
 struct PixelBox {
@@ -37,7 +37,7 @@ class SampleCollector {
   /// off; `most`: no more than so many; `rim`: small markers may have pixels that see the end of the sheet. Empty when
   /// it is not in the image.
   void collect(const cv::Mat& grey, const CameraModel& camera, const PatternPlacement& placement,
-               const Eigen::Isometry3d& T_optical_marker, double blur_sd, double margin, int most, bool rim,
+               const Eigen::Isometry3d& T_optical_marker, double psf_sd, double margin, int most, bool rim,
                const PhotometricParameters& parameters, MarkerSamples& samples);
 
  private:
