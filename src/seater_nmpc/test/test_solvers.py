@@ -134,7 +134,7 @@ def test_a_failed_quadratic_programme_leads_to_the_fallback(controller, monkeypa
 
 
 def test_a_long_horizon_does_not_swing_between_two_plans() -> None:
-    """Eight seconds ahead, into the bay: with full steps alone the cost goes 22, 56, 22, ... where the solution has 16."""
+    """Eight seconds ahead, into the bay: full steps alone give the costs 22, 56, 22, ... where the solution has 16."""
     controller = DockingController(CHAIR, DOCK, replace(PARAMETERS, solver="rti", horizon=80), deterministic=True)
     pose, velocity, statuses = np.array([-3.0, -0.6, 0.1]), (0.0, 0.0), []
     for _ in range(32):

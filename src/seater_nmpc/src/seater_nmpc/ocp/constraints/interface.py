@@ -76,7 +76,7 @@ class AreaConstraint(ABC, Generic[A]):
         """Write an initial guess of own variables into x, for the trajectory `states` (N + 1, >= 3)."""
 
     def best(self, stage: Stage, lower: ca.SX, upper: ca.SX) -> ca.SX:
-        """The stage's own variables with the largest margin at its pose, within their bounds (bounds of all variables)."""
+        """The stage's own variables with the largest margin at its pose, within the bounds (of all variables)."""
         raise NotImplementedError
 
 
