@@ -19,8 +19,9 @@ from seater_nmpc.programme import StageProgramme
 
 Array = NDArray[np.float64]
 
-# The slacks that are violations of the plan: all kinds before the view, which is a wish.
-_VIOLATIONS = slice(0, int(Slack.VIEW))
+_VIOLATIONS = [int(kind) for kind in Slack if kind.is_violation]
+# The kinds of slack under each penalty weight.
+_PENALISED = {weight: [int(kind) for kind in Slack if kind.weight == weight] for weight in (k.weight for k in Slack)}
 
 
 @dataclass(frozen=True)
@@ -58,9 +59,8 @@ class AreaConstraints:
             for margin in of_kind:
                 programme.constrain(margin + slack[int(kind)], 0.0, math.inf)
             margins.append(ca.vertcat(*of_kind))
-        weight, violations = self._weights.violation, slack[_VIOLATIONS]
-        programme.cost += step * weight * (ca.sum1(violations) + ca.sumsqr(violations))
-        programme.cost += step * self._weights.view * (slack[int(Slack.VIEW)] + slack[int(Slack.VIEW)] ** 2)
+        for weight, kinds in _PENALISED.items():
+            programme.cost += step * getattr(self._weights, weight) * (ca.sum1(slack[kinds]) + ca.sumsqr(slack[kinds]))
         self._stages.append(_BuiltStage(stage, margins))
 
     def refinement(self, x: ca.SX, lower: ca.SX, upper: ca.SX) -> ca.SX:
