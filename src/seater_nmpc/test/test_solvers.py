@@ -1,7 +1,7 @@
 """The solvers against one another, and the real-time iteration's own promises."""
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import casadi as ca
 import numpy as np
@@ -20,7 +20,7 @@ from seater_nmpc.parameters import ControlParameters, IpoptParameters, RtiParame
 from seater_nmpc.programme import WarmStart
 from seater_nmpc.solve.interface import SolveStatus
 from seater_nmpc.solve.ipopt import IpoptSolver
-from seater_nmpc.solve.registry import make_solver
+from seater_nmpc.solve.registry import SOLVERS, make_solver
 
 CHAIR, DOCK = Chair(), Dock()
 AREAS = dock_areas(DOCK)
@@ -30,6 +30,11 @@ PARAMETERS = ControlParameters()
 @pytest.fixture(scope="module")
 def problem():
     return make_problem(CHAIR, PARAMETERS, AREAS)
+
+
+def test_the_choices_of_the_parameter_are_the_solvers() -> None:
+    choices = {field.name: field.metadata.get("choices") for field in fields(ControlParameters)}
+    assert sorted(choices["solver"]) == sorted(SOLVERS)
 
 
 def build(problem, name: str, **rti):
