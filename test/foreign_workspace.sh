@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The repository as a folder in somebody else's catkin workspace: configuring works with an interpreter that knows casadi and
-# piqp, and another one is refused with the remedy.
+# The repository as a folder in somebody else's catkin workspace: configuring works with an interpreter that knows
+# casadi and piqp, and another one is refused with the remedy.
 # usage: foreign_workspace.sh ROOT BUILD_FOLDER PYTHON
 set -euo pipefail
 root=$1 workspace=$2/foreign_workspace python=$3

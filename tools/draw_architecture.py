@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Draw docs/images/architecture.svg from test/structure/rooms.yaml: the rooms, their arrows, and the way of one image.
 
-Run it in the project's environment: `./seater run python3 tools/draw_architecture.py`. The rooms and what each uses come from
-the file that test/structure compares with the code, so the figure stays true. A room stands above all rooms that it uses; an
-arrow that follows from others is left out.
+Run it in the project's environment: `./seater run python3 tools/draw_architecture.py`. The rooms and what each uses
+come from the file that test/structure compares with the code, so the figure stays true. A room stands above all rooms
+that it uses; an arrow that follows from others is left out.
 With --check nothing is drawn: exit status 1 when the figure shows other rooms or arrows than the file, or the way leads
 through a room that is not there.
 """
@@ -83,9 +83,10 @@ HOUSES = (
 CAPTIONS = {
     "seater_perception": {
         "ros": "nodelet, messages", "tools": "detect_image, drawing", "pipeline": "what calls what",
-        "photometric": "intensities to pose", "photometric/kernel": "inner loops", "photometric/samples": "pixels to fit",
-        "pose": "corners to pose", "search": "image to corners", "search/code": "bits", "search/outline": "edges",
-        "image": "camera, encodings", "marker": "the print", "numerics": "small maths", "config": "what a user tunes",
+        "photometric": "intensities to pose", "photometric/kernel": "inner loops",
+        "photometric/samples": "pixels to fit", "pose": "corners to pose", "search": "image to corners",
+        "search/code": "bits", "search/outline": "edges", "image": "camera, encodings",
+        "marker": "the print", "numerics": "small maths", "config": "what a user tunes",
     },
     "seater_nmpc": {
         "ros": "docking node", "sequence": "goal to result", "control": "one command a cycle", "plan": "paths",

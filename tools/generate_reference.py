@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Write docs/reference/parameters.md from the parameter structs; with --check only say whether the file is up to date.
 
-Run it in the project's environment: `./seater run python3 tools/generate_reference.py`. Keys, defaults, units, ranges and
-meanings come from the dataclasses (Python) and from the structs of seater_perception (by its Python module). Two files
-have no such struct: their tables come from the comments in the files.
+Run it in the project's environment: `./seater run python3 tools/generate_reference.py`. Keys, defaults, units, ranges
+and meanings come from the dataclasses (Python) and from the structs of seater_perception (by its Python module). Two
+files have no such struct: their tables come from the comments in the files.
 Exit status: 0 written or up to date, 1 out of date (--check), 2 seater_perception is not built.
 """
 

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Prove that a change of shape changed no result: store what the code computes before it, compare to the last bit after it.
+"""Prove that a change of shape changed no result: store results before it, compare to the last bit after it.
 
 usage (from the repository, in the project's environment):
   ./seater run python3 tools/result_snapshot.py write before.json
   ... refactor, build ...
   ./seater run python3 tools/result_snapshot.py compare before.json
 
-Stored are detections (all markers, corners, poses, covariances, the dock's poses) on some 180 rendered images, 30 images
-without markers and, where ../shared/data/real_markers stands beside the repository, the photographs, with four
-configurations; a tracked sequence; and runs of the controller's campaign. Numbers are stored as their shortest text that
-reads back to the same bits. Equal means equal on one machine: other processors and libraries round otherwise.
+Stored are detections (all markers, corners, poses, covariances, the dock's poses) on some 180 rendered images, 30
+images without markers and, where ../shared/data/real_markers stands beside the repository, the photographs, with four
+configurations; a tracked sequence; and runs of the controller's campaign. Numbers are stored as their shortest text
+that reads back to the same bits. Equal means equal on one machine: other processors and libraries round otherwise.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Shot:
 
 
 def rendered(config: Path) -> Iterator[Shot]:
-    """The evaluation's renderer: three sizes, seven distances, four angles, each fifth one with motion blur; negatives."""
+    """The evaluation's renderer: three sizes, seven distances, four angles, each fifth with motion blur; negatives."""
     camera, rng = load_degraded_camera(config / "cameras" / "degraded.yaml"), np.random.default_rng(5)
     K = [float(k) for k in camera.K.ravel()]
     index = 0

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Run the tests of the built workspace with CTest and add up their cases; ends with one line `N passed, N failed`.
 
-Every test is registered with CMake by the package that it belongs to (gtest, pytest, rostest, evaluation, lint, install), so
-`ctest --test-dir build` runs the same. This program chooses, shows progress, and sums the cases of all JUnit files. Checks
-share the cores; what measures time or lives by the clock on the wall runs alone (RUN_SERIAL).
+Every test is registered with CMake by the package that it belongs to (gtest, pytest, rostest, evaluation, lint,
+install), so `ctest --test-dir build` runs the same. This program chooses, shows progress, and sums the cases of all
+JUnit files. Checks share the cores; what measures time or lives by the clock on the wall runs alone (RUN_SERIAL).
 Output of each test: build/Testing/Temporary/LastTest.log; JUnit files and figures: build/test_results.
 """
 

@@ -65,7 +65,7 @@ def _included_room(name: str, package: str, home: dict[str, str], path: Path, to
 
 
 def levels(arrows: Arrows) -> dict[str, int]:
-    """1 for a room that uses no other; else one more than the highest room that it uses. Raises AssertionError on a circle."""
+    """1 for a room that uses none, else one more than the highest that it uses. Raises AssertionError on a circle."""
     result: dict[str, int] = {}
 
     def level(room: str, above: tuple[str, ...]) -> int:

@@ -122,7 +122,8 @@ def make_world(quick_controller: DockingController, navigator: Navigator) -> Cal
 
         timeouts = settings.pop("timeouts", {})
         changes = settings.pop("sequence", {})
-        parameters = replace(SequenceParameters(), timeouts=replace(Timeouts(), **timeouts), **changes)  # type: ignore[arg-type]
+        limits = replace(Timeouts(), **timeouts)  # type: ignore[arg-type]
+        parameters = replace(SequenceParameters(), timeouts=limits, **changes)  # type: ignore[arg-type]
         chair, dock = Chair(), settings.pop("dock", Dock())
         quick_controller.reset()
         observer = DockObserver(chair.camera)

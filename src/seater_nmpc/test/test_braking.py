@@ -55,7 +55,7 @@ def arc(curvature: float, length: float, pieces: int = 20) -> np.ndarray:
 
 
 def test_a_planned_path_that_stays_clear_for_the_stopping_distance_counts_too() -> None:
-    """Bending away from a box that the present arc would lead into; what lies beyond the stopping distance does not matter."""
+    """Bending away from a box that the present arc would lead into; what is beyond the stopping distance is ignored."""
     outline = [box(FRONT + 0.4, -0.35)]
     path = arc(1.5, 1.2)
     assert not CHECK.passes(np.zeros(3), 0.4, -0.1, outline)

@@ -211,7 +211,7 @@ def test_of_two_commands_for_one_stamp_the_later_one_acts_and_a_view_begins_wher
 
 
 def test_a_command_that_someone_else_sent_is_where_the_next_one_begins(controller) -> None:
-    """A zero sent while the odometry was late: the controller goes on from it, not from what it had asked for itself."""
+    """A zero sent while the odometry was late: the controller goes on from it, not from its own request."""
     pose, commands = [-2.5, 0.0, 0.0], drive(controller, (-2.5, 0.0, 0.0), 0.5)[1]
     assert commands[-1].v > 0.2
     controller.history.sent(0.5, 0.0, 0.0)
@@ -220,7 +220,7 @@ def test_a_command_that_someone_else_sent_is_where_the_next_one_begins(controlle
 
 
 def test_jerk_limits_hold_from_command_to_command(controller) -> None:
-    """1 m/s^3 and 3 rad/s^3: accelerations change no faster, where without the option they jump; the end is as exact."""
+    """1 m/s^3 and 3 rad/s^3: accelerations change no faster (without the option they jump); the end is as exact."""
 
     def jerk(commands) -> np.ndarray:
         speeds = [(0.0, 0.0), (0.0, 0.0), *((command.v, command.omega) for command in commands)]

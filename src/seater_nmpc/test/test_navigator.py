@@ -37,7 +37,7 @@ def gap(pose, outlines) -> float:
 
 
 def test_motions_of_the_lattice_are_those_of_a_unicycle() -> None:
-    """A motion starts and ends along the headings of its nodes: chords of straight ones are exact, bends lie in between."""
+    """A motion starts and ends along the headings of its nodes: chords of straights are exact, bends lie between."""
     lattice = Lattice(CHAIR, PARAMETERS)
     poses = lattice.poses()
     for motion in lattice.motions:

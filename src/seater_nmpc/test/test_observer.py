@@ -149,7 +149,7 @@ def test_what_cannot_be_a_dock_on_the_floor_is_a_flip_or_invalid() -> None:
 
 
 def test_an_innovation_is_measured_minus_expected_with_its_covariance_and_gate() -> None:
-    """After five images of variance R, standing, the expectation has R / 5; the sixth one is 6 mm off along the dock's x."""
+    """After five images of variance R, standing, the expectation has R / 5; the sixth is 6 mm off in the dock's x."""
     p = ObserverParameters()
     observer = acquired()
     fusion = observer.add_detections(1.0, [observation(CHAIR, inverse([-2.0, 0.0, 0.0]) + [0.006, 0.0, 0.0])])
@@ -208,8 +208,8 @@ def test_a_prior_keeps_other_docks_out() -> None:
 
 
 def test_error_is_as_large_as_the_covariance_says() -> None:
-    """NEES over 30 approaches with drifting odometry: the mean of 30 chi-square numbers (3 dof) within its 95 % band. More
-    of this, with the simulator's odometry and camera: seater_eval/test/test_observer_consistency.py."""
+    """NEES over 30 approaches with drifting odometry: the mean of 30 chi-square numbers (3 dof) within its 95 % band.
+    More of this, with the simulator's odometry and camera: seater_eval/test/test_observer_consistency.py."""
     p, rng, values = (
         ObserverParameters(calibration_position=0.0, calibration_heading=0.0),
         np.random.default_rng(11),

@@ -6,12 +6,14 @@ import pytest
 
 from seater_common.geometry import Chair, Dock, clearance, polygon_distance
 from seater_common.se2 import compose, relative
+from seater_nmpc.ocp.area_constraints import AreaConstraints
 from seater_nmpc.ocp.areas import dock_areas
 from seater_nmpc.ocp.constraints.corners import separating_angle
+from seater_nmpc.ocp.constraints.interface import Slack
 from seater_nmpc.ocp.docking_problem import DockingProblem
 from seater_nmpc.ocp.formulations import make_problem
 from seater_nmpc.parameters import ControlParameters, IpoptParameters, Weights
-from seater_nmpc.programme import WarmStart
+from seater_nmpc.programme import StageProgramme, WarmStart
 from seater_nmpc.solve.interface import SolveStatus
 from seater_nmpc.solve.ipopt import IpoptSolver
 from seater_nmpc.solve.registry import make_solver
@@ -98,6 +100,20 @@ def test_an_infeasible_start_is_solved_and_reported(problem, solver) -> None:
     assert solution.status is SolveStatus.SOLVED
     assert plan.violation == pytest.approx(0.03, abs=0.003)
     assert plan.states[-1, 0] < 0.1
+
+
+@pytest.mark.parametrize("kind", Slack)
+def test_each_slack_costs_its_weight_and_counts_as_its_kind_says(kind: Slack) -> None:
+    """A slack of 0.2 costs w (0.2 + 0.2^2) per second; no kind is free."""
+    programme = StageProgramme()
+    constraints = AreaConstraints(CHAIR, PARAMETERS, programme, AREAS)
+    constraints.add_stage(programme, ca.SX.sym("pose", 3), ca.SX.sym("v"), 0.5)
+    x = np.zeros(programme.size)
+    slacks = x[-len(Slack) :]  # the stage's last variables
+    slacks[kind] = 0.2
+    cost = ca.Function("cost", [ca.vertcat(*programme.variables)], [programme.cost])
+    assert float(cost(x)) == pytest.approx(0.5 * getattr(PARAMETERS.weights, kind.weight) * (0.2 + 0.2**2))
+    assert constraints.violation(x) == (0.2 if kind.is_violation else 0.0)
 
 
 def test_bay_speed_holds_inside_and_allows_braking_ahead(problem, solver) -> None:

@@ -1,7 +1,7 @@
 """The solvers against one another, and the real-time iteration's own promises."""
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import casadi as ca
 import numpy as np
@@ -20,7 +20,7 @@ from seater_nmpc.parameters import ControlParameters, IpoptParameters, RtiParame
 from seater_nmpc.programme import WarmStart
 from seater_nmpc.solve.interface import SolveStatus
 from seater_nmpc.solve.ipopt import IpoptSolver
-from seater_nmpc.solve.registry import make_solver
+from seater_nmpc.solve.registry import SOLVERS, make_solver
 
 CHAIR, DOCK = Chair(), Dock()
 AREAS = dock_areas(DOCK)
@@ -30,6 +30,11 @@ PARAMETERS = ControlParameters()
 @pytest.fixture(scope="module")
 def problem():
     return make_problem(CHAIR, PARAMETERS, AREAS)
+
+
+def test_the_choices_of_the_parameter_are_the_solvers() -> None:
+    choices = {field.name: field.metadata.get("choices") for field in fields(ControlParameters)}
+    assert sorted(choices["solver"]) == sorted(SOLVERS)
 
 
 def build(problem, name: str, **rti):
@@ -134,7 +139,7 @@ def test_a_failed_quadratic_programme_leads_to_the_fallback(controller, monkeypa
 
 
 def test_a_long_horizon_does_not_swing_between_two_plans() -> None:
-    """Eight seconds ahead, into the bay: with full steps alone the cost goes 22, 56, 22, ... where the solution has 16."""
+    """Eight seconds ahead, into the bay: full steps alone give the costs 22, 56, 22, ... where the solution has 16."""
     controller = DockingController(CHAIR, DOCK, replace(PARAMETERS, solver="rti", horizon=80), deterministic=True)
     pose, velocity, statuses = np.array([-3.0, -0.6, 0.1]), (0.0, 0.0), []
     for _ in range(32):

@@ -220,7 +220,7 @@ def planar_pose(T: ArrayLike) -> Array:
 def polygon_distance(a: ArrayLike, b: ArrayLike) -> float:
     """Signed distance of two convex polygons, (n, 2) and (m, 2), anticlockwise [m]; negative when they overlap.
 
-    The distance is exact; of an overlap it is the smallest shift along an edge normal that separates them (separating axes).
+    The distance is exact; of an overlap it is the smallest separating shift along an edge normal (separating axes).
     """
     a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
     separation = max(_axis_separation(a, b), _axis_separation(b, a))

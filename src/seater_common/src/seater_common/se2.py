@@ -1,7 +1,8 @@
 """Planar poses.
 
 A pose is an array (x [m], y [m], heading [rad]). `T_a_b` is the pose of b in a: it takes coordinates in b to
-coordinates in a. Headings are wrapped to [-pi, pi] by `wrap_angle` (one) and `wrap_angles` (arrays) and nowhere else in Python.
+coordinates in a. Headings are wrapped to [-pi, pi] by `wrap_angle` (one) and `wrap_angles` (arrays) and nowhere else in
+Python.
 """
 
 from __future__ import annotations

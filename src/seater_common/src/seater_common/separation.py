@@ -1,4 +1,4 @@
-"""Lines that separate the chair's footprint from convex polygons: what keeps a plan clear of obstacles. Plain geometry."""
+"""Lines that separate the chair's footprint from convex polygons: what keeps a plan clear of obstacles."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def footprints(corners: ArrayLike, poses: ArrayLike) -> Array:
 def separating_lines(shapes: Array, polygons: list[Array]) -> Lines:
     """Between the footprints `shapes` (n, 4, 2) and convex polygons, (k, 2) each, both anticlockwise.
 
-    The best normal is across an edge of one of them or, where two corners face each other, along the line between these.
+    The best normal is across an edge of one or, where two corners face each other, along the line between these.
     """
     found = [_best(shapes, polygon) for polygon in polygons]
     if not found:
@@ -47,7 +47,7 @@ def separating_lines(shapes: Array, polygons: list[Array]) -> Lines:
 
 
 def edge_distances(shapes: Array, polygon: Array) -> Array:
-    """(n,) largest signed distance across an edge of either: the distance, or less where two corners face each other [m]."""
+    """(n,) largest signed distance [m] across an edge of either: distance, or less where corners face each other."""
     theirs = -outward_normals(polygon[None])[0]  # (k, 2)
     ahead = np.min(shapes @ -theirs.T, axis=1) + np.min(polygon @ theirs.T, axis=0)
     ours = outward_normals(shapes)
@@ -64,7 +64,7 @@ def outward_normals(shapes: Array) -> Array:
 
 
 def _best(shapes: Array, polygon: Array) -> tuple[Array, Array, Array]:
-    """Normal (n, 2), offset (n,) and distance (n,) of the line with the largest distance between each shape and the polygon."""
+    """Normal (n, 2), offset (n,), distance (n,) of the line with the largest distance between shape and polygon."""
     count = len(shapes)
     across = np.broadcast_to(outward_normals(polygon[None]), (count, len(polygon), 2))
     between = (shapes[:, :, None, :] - polygon).reshape(count, -1, 2)

@@ -1,4 +1,4 @@
-"""A nonlinear programme in stages, put together variable by variable; its instances, and the plan that a solution is."""
+"""A nonlinear programme in stages, put together variable by variable; its instances, and a solution's plan."""
 
 from __future__ import annotations
 

@@ -4,8 +4,8 @@
 usage: make_instances.py --config FOLDER --code FILE.c --instances FILE.txt
 
 Written for ipopt_judge_test.cpp, which solves the same instances with another build of Ipopt. The text file holds
-`option NAME VALUE` lines (of both sides), then `size NX NP NG FIRST_INPUT COUNT`, then for each instance one line each of
-p, lbx, ubx, lbg, ubg, x0, and the solution: cost and first input (dv/dt, domega/dt).
+`option NAME VALUE` lines (of both sides), then `size NX NP NG FIRST_INPUT COUNT`, then for each instance one line each
+of p, lbx, ubx, lbg, ubg, x0, and the solution: cost and first input (dv/dt, domega/dt).
 """
 
 from __future__ import annotations

@@ -37,7 +37,8 @@ class DoMpc:
             import do_mpc
         self._chair, self._dock, self._parameters = chair, dock, parameters
         self.period = parameters.control_period
-        # The chair holds a command while the plan's speed is a ramp; see seater_nmpc.ocp.docking_problem.DockingProblem.
+        # The chair holds a command while the plan's speed is a ramp; see
+        # seater_nmpc.ocp.docking_problem.DockingProblem.
         self._lead = 0.5 * self.period + (0.5 * parameters.step if parameters.integrator == "euler" else 0.0)
         self._model = do_mpc.model.Model("discrete", "SX")
         self._build_model()

@@ -135,8 +135,9 @@ class MinimumTimeProgramme:
 def arrival_speeds(limits: Limits, tolerance: Tolerance) -> tuple[float, float]:
     """Largest speeds (v, omega) with which the chair can enter the tolerance and then stay in it while it brakes.
 
-    Necessary, so that the time with them is a bound for the time of entering for good: the way left is at most the circle's
-    diameter (1 % longer for a way that is bent within the heading tolerance), the turn left twice the tolerance.
+    Necessary, so that the time with them is a bound for the time of entering for good: the way left is at most the
+    circle's diameter (1 % longer for a way that is bent within the heading tolerance), the turn left twice the
+    tolerance.
     """
     return math.sqrt(2.0 * limits.a_max * 2.02 * tolerance.position), math.sqrt(
         4.0 * limits.alpha_max * tolerance.heading

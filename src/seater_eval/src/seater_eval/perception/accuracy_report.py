@@ -45,8 +45,8 @@ def describe_accuracy(data: dict[str, Any]) -> str:
     if data["published"] is None:
         return text + "\n  SKIPPED: the published images (Debian's package visp-images-data is not installed)"
     lines = [
-        f"    {LABELS[m]}: {p['found']} found, median {_short(p['median_mm'])} mm, worst {_short(p['worst_mm'])} mm; from"
-        f" the common poses {_short(p['from_corners_median_mm'])}, {_short(p['from_corners_worst_mm'])} mm"
+        f"    {LABELS[m]}: {p['found']} found, median {_short(p['median_mm'])} mm, worst {_short(p['worst_mm'])} mm;"
+        f" from the common poses {_short(p['from_corners_median_mm'])}, {_short(p['from_corners_worst_mm'])} mm"
         for m, p in data["published"].items()
         if isinstance(p, dict)
     ]

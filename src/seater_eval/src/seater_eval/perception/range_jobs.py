@@ -71,7 +71,7 @@ def _subject(config: str, method: str, size: float) -> Any:
 
 
 def _image(config: str, method: str, size: float, distance: float, index: int, near: bool) -> tuple[Image, int]:
-    """Image number `index` of a marker at this distance, and its id. `near`: it fills the image, so it is in the middle."""
+    """Image `index` of a marker at this distance, and its id. `near`: it fills the image, so it is in the middle."""
     camera = camera_of(config)
     random = np.random.default_rng(job_seed(7, index))
     spread, tilt = (0.0005, 0.001) if near else (0.1, 0.05)
@@ -118,7 +118,7 @@ def tracking_rate(config: str, size: float, distance: float, images: int) -> flo
 
 
 def find_limit(job: RangeJob) -> dict[str, Any]:
-    """The end of the range by bisection: the last distance [m] with NEEDED detections, None when it is not reached at all."""
+    """End of the range by bisection: the last distance [m] with NEEDED detections, None when not reached at all."""
     nearest, farthest = PAPER[job.size]
     rates: dict[float, float] = {}
 
@@ -148,8 +148,11 @@ def find_limit(job: RangeJob) -> dict[str, Any]:
 
 
 def count_false(job: NegativeJob) -> dict[str, Any]:
-    """Images shown by kind, and what was seen in them: by the detector that looks for the dock's ids and by the one that
-    looks for every id of the dictionary (neither contains the other: with more ids, codes too much alike are refused)."""
+    """Images shown by kind, and what was seen in them, by two detectors.
+
+    One looks for the dock's ids, the other for every id of the dictionary. Neither result contains the other: with more
+    ids, codes too much alike are refused.
+    """
     shown, false = dict.fromkeys((*KINDS, OTHER_IDS), 0), []
     for index in range(job.first, job.last):
         kind = OTHER_IDS if job.other_ids else KINDS[index % len(KINDS)]

@@ -21,9 +21,10 @@ _SHORTEST = 5e-3  # [m] pieces of a path shorter than this have no curvature: th
 class BrakingCheck:
     """The optimal control problem keeps clear of obstacles softly, so that it always has a solution. This does not.
 
-    A command passes when the chair, after it held for one period, could brake to standstill with its whole footprint `margin`
-    clear of every obstacle, either along the same arc or along the planned path (`braked` brakes along that). So an obstacle
-    that stands still is not touched, whatever later plans say; only what appears within the stopping distance can be.
+    A command passes when the chair, after it held for one period, could brake to standstill with its whole footprint
+    `margin` clear of every obstacle, either along the same arc or along the planned path (`braked` brakes along that).
+    So an obstacle that stands still is not touched, whatever later plans say; only what appears within the stopping
+    distance can be.
     """
 
     def __init__(self, chair: Chair, margin: float, period: float, lag: float) -> None:
@@ -32,10 +33,10 @@ class BrakingCheck:
         self._margin, self._hold = margin, period + lag
 
     def passes(self, pose: ArrayLike, v: float, omega: float, outlines: list[Array], path: Array | None = None) -> bool:
-        """`pose` (x, y, heading): where the command begins to act. `outlines`: convex, anticlockwise, (n, 2) [m], same frame.
+        """`pose` (x, y, heading): where the command begins to act. `outlines`: convex, anticlockwise, (n, 2) [m].
 
-        `path` (n, 3): the plan's poses from there on. Where an obstacle is nearer than the margin already, what does not bring
-        it nearer passes: the way out stays open.
+        `path` (n, 3): the plan's poses from there on. Where an obstacle is nearer than the margin already, what does
+        not bring it nearer passes: the way out stays open.
         """
         if not outlines or (v == 0.0 and omega == 0.0):
             return True
@@ -68,7 +69,7 @@ class BrakingCheck:
 
 
 def braked(before: tuple[float, float], change: float, curvature: float | None) -> tuple[float, float]:
-    """(v, omega) after braking by `change` [m/s], along a path of this curvature [1/m]; None: that of the last command."""
+    """(v, omega) after braking by `change` [m/s], along a path of this curvature [1/m]; None: the last command's."""
     v, omega = before
     if abs(v) <= change:
         return 0.0, 0.0
@@ -77,7 +78,7 @@ def braked(before: tuple[float, float], change: float, curvature: float | None) 
 
 
 def curvature_at(path: Array, pose: ArrayLike) -> float | None:
-    """Curvature [1/m] of the path (n, 3) where it is nearest to `pose`: turn per way driven forward; None where it has none."""
+    """Curvature [1/m] of the path (n, 3) nearest to `pose`: turn per way driven forward; None where it has none."""
     pose = np.asarray(pose, dtype=float)
     i = min(int(np.argmin(np.hypot(*(path[:, :2] - pose[:2]).T))), len(path) - 2)
     step, turn = path[i + 1, :2] - path[i, :2], float(wrap_angles(path[i + 1, 2] - path[i, 2]))

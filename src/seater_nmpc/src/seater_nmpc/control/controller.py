@@ -59,7 +59,7 @@ class DockingController:
         deterministic: bool = False,
         solver: Solver | None = None,
     ) -> None:
-        """`deterministic`: no wall-time limit, so that a slow machine decides the same. `solver` replaces the named one."""
+        """`deterministic`: no wall-time limit, so a slow machine decides the same. `solver` replaces the named one."""
         self._chair, self._dock = chair, dock
         self.parameters = parameters or ControlParameters()
         self._areas = dock_areas(dock) if self.parameters.walls else None
@@ -76,7 +76,7 @@ class DockingController:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the plan, as at the beginning of a goal: the next one begins with the measured speeds, whatever was sent."""
+        """Forget the plan, as at a goal's beginning: the next begins with the measured speeds, whatever was sent."""
         self._begins = True
         self._replanner.reset()
         self.counters.consecutive_failures = 0
@@ -91,13 +91,13 @@ class DockingController:
         return self._obstacles
 
     def set_obstacles(self, polygons: Sequence[ArrayLike]) -> None:
-        """Obstacles to keep clear of from now on (an empty list: none), each by its corners (n, 2) in the dock's frame [m].
+        """Obstacles to keep clear of from now on (none: an empty list): corners (n, 2) of each in the dock's frame [m].
 
-        The convex hull of the corners counts. They hold until the next call. Without walls in the problem (`walls: false`)
-        there are no areas at all, and obstacles are refused.
+        The convex hull of the corners counts. They hold until the next call. Without walls in the problem
+        (`walls: false`) there are no areas at all, and obstacles are refused.
 
         Raises:
-            ValueError: a polygon is not finite or has no area, or the problem has no areas; what held before still holds.
+            ValueError: a polygon is not finite or has no area, or the problem has no areas; those before still hold.
         """
         outlines = [convex_outline(polygon) for polygon in polygons]
         if outlines and self._areas is None:
@@ -160,7 +160,7 @@ class DockingController:
         dock_pose: ArrayLike,
         T_common_target: Array,
     ) -> Array:
-        """Where the plan begins: x, y, heading in the target's frame, v, omega. Notes where the command begins to act."""
+        """Where the plan begins: x, y, heading in the target's frame, v, omega. Notes where the command will act."""
         pose, v, omega = self._commands.roll(stamp, vehicle_pose, *velocity)
         before = self._speeds_before(v, omega)
         self._acts_at = relative(dock_pose, pose)
@@ -177,7 +177,7 @@ class DockingController:
         return np.asarray(target, dtype=float)
 
     def _speeds_before(self, v: float, omega: float) -> tuple[float, float]:
-        """Speeds that the plan begins with: the last command, unless the chair, measured at (v, omega), does not follow it."""
+        """Speeds to begin with: the last command, unless the chair, measured at (v, omega), does not follow it."""
         prediction = self.parameters.prediction
         window = prediction.motor_lag + prediction.command_delay + 2.0 * self.parameters.control_period
         return within_reach(self._chair, self._commands.last, (v, omega), window)

@@ -23,9 +23,9 @@ def clamp(
 ) -> tuple[float, float]:
     """Speeds within the limits and reachable from `before` within `period` [s]; zero speed asked for when not finite.
 
-    `slow`: the bay's limit holds. Where it and the acceleration limit exclude each other, the acceleration limit wins: the
-    chair brakes as hard as it may. The chair's own limits of speed hold even where `before`
-    (a measured speed, say) is beyond them.
+    `slow`: the bay's limit holds. Where it and the acceleration limit exclude each other, the acceleration limit wins:
+    the chair brakes as hard as it may. The chair's own limits of speed hold even where `before` (a measured speed, say)
+    is beyond them.
     """
     limits = chair.limits
     v, omega = (value if math.isfinite(value) else 0.0 for value in (v, omega))

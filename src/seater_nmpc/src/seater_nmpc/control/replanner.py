@@ -37,7 +37,7 @@ class Replanner:
         deterministic: bool = False,
         solver: Solver | None = None,
     ) -> None:
-        """`areas` in the dock's frame, None: free space. `deterministic`: no wall-time limit. `solver`: not the named one."""
+        """`areas` in the dock's frame or None. `deterministic`: no wall-time limit. `solver` replaces the named one."""
         self._parameters, self._areas = parameters, areas
         self._problem = make_problem(chair, parameters, areas)
         solver = solver or make_solver(self._problem, parameters)
@@ -114,7 +114,7 @@ class Replanner:
         return solution.status is SolveStatus.LIMIT and solution.violation <= self._parameters.fallback.feasibility
 
     def _unwound(self, state: Array) -> Array:
-        """The same state, its heading counted on from the last one's: no flipping between half a turn left and right."""
+        """The same state, its heading counted on from the last one's: no flip between half a turn left and right."""
         state = state.copy()
         turns = round((self._heading - state[2]) / (2.0 * math.pi))
         if abs(state[2] + 2.0 * math.pi * turns) <= math.pi + 0.3:

@@ -21,8 +21,8 @@ class Acquisition:
     """Collects images until enough of them agree on one pose of the dock.
 
     An image of a single marker may leave two poses open, and both may agree among themselves from image to image while
-    the chair stands. So the weights of all images are multiplied, and a pose has to be likelier than every other one that
-    agrees by `odds`.
+    the chair stands. So the weights of all images are multiplied, and a pose has to be likelier than every other one
+    that agrees by `odds`.
     """
 
     def __init__(self, count: int, gate: float, odds: float, common: Array) -> None:
@@ -51,7 +51,7 @@ class Acquisition:
         return None
 
     def _agreeing(self, candidates: list[Measurement]) -> list[tuple[float, Series]]:
-        """For each pose of the newest image what is nearest to it in the others, where these agree; with log weights."""
+        """For each pose of the newest image the nearest ones in the others, where these agree; with log weights."""
         result = []
         for candidate in candidates:
             series = [

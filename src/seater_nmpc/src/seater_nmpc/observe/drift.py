@@ -1,9 +1,10 @@
 """How the drift of wheel odometry moves a standing dock in odom, with what is known about it.
 
-The odometry measures way and turn as s' = (1 + e_s) s + n_s, t' = (1 + e_t) t + e_d s + n_t (seater_sim's odometry has the same
-model): constant errors e = (e_s, e_t, e_d) that are estimated, and white noise of variances distance_noise^2 |s| and
-heading_noise^2 |s| + turn_noise^2 |t|. The true chair lags by e_s ds' along its direction and by e_t dt' + e_d ds' in its turn,
-so to first order the dock, seen from the chair where it is, moves in odom by the first and swings round it by the second:
+The odometry measures way and turn as s' = (1 + e_s) s + n_s, t' = (1 + e_t) t + e_d s + n_t (seater_sim's odometry has
+the same model): constant errors e = (e_s, e_t, e_d) that are estimated, and white noise of variances
+distance_noise^2 |s| and heading_noise^2 |s| + turn_noise^2 |t|. The true chair lags by e_s ds' along its direction and
+by e_t dt' + e_d ds' in its turn, so to first order the dock, seen from the chair where it is, moves in odom by the
+first and swings round it by the second:
 
     dD = c (e_s ds' + n_s) + w (e_t dt' + e_d ds' + n_t),   w = (y - D_y, D_x - x, 1) = A (1, x, y)'.
 
@@ -27,7 +28,7 @@ def scale_covariance(p: ObserverParameters) -> Array:
 
 
 def transition(dock: Array, last: Instant, now: Instant, p: ObserverParameters) -> tuple[Array, Array]:
-    """F and Q, both (6, 6), from `last` to `now` of the state (dock in odom: x [m], y [m], heading [rad]; e_s, e_t, e_d)."""
+    """F and Q, (6, 6), from `last` to `now` of the state (dock in odom: x, y [m], heading [rad]; e_s, e_t, e_d)."""
     A = np.array([[-dock[1], 0.0, 1.0], [dock[0], -1.0, 0.0], [1.0, 0.0, 0.0]])
     travel = now.travel.plus(last.travel, -1.0)
     F, Q = np.eye(6), np.zeros((6, 6))

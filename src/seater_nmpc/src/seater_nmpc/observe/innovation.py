@@ -72,7 +72,8 @@ def likeliest(
 ) -> tuple[Innovation, Measurement]:
     """Of the poses that one image leaves open the one with the smallest NIS + ln det S - 2 ln(weight).
 
-    `pose` (3,) and `covariance` (3, 3) are of the expected pose; S is the latter, plus the measurement's own, plus `common`.
+    `pose` (3,) and `covariance` (3, 3) are of the expected pose; S is the latter, plus the measurement's own, plus
+    `common`.
     """
     scored = []
     for measurement in offered:

@@ -1,8 +1,8 @@
 """The chair's motion: true speeds behind the motors' lag, from the commands that were sent and the odometry's speeds.
 
 One Kalman filter per axis. Between two messages the speed follows the command that acts, as a first-order lag; what the
-motors do otherwise (ramps, load, floor) is white acceleration. The odometry's speed is a difference of wheel angles over one
-period, so it is noisy. Without a model of the motors (no lag given) the last speed is what is predicted.
+motors do otherwise (ramps, load, floor) is white acceleration. The odometry's speed is a difference of wheel angles
+over one period, so it is noisy. Without a model of the motors (no lag given) the last speed is what is predicted.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class _Axis:
 
 
 class MotionObserver:
-    """Speeds of the chair now. Feed it each odometry message; `history` is where the commands are noted when they are sent."""
+    """Speeds of the chair now. Feed it each odometry message; `history` notes the commands when they are sent."""
 
     def __init__(self, history: CommandHistory, parameters: ObserverParameters) -> None:
         self._commands = history.view()

@@ -134,7 +134,7 @@ class DockObserver:
         return Outcome.ACQUIRED
 
     def _begin(self, series: Series) -> None:
-        """From the first measurement and what is known about such odometry; the others are fused one after the other."""
+        """From the first measurement and what is known of such odometry; the others are fused one by one."""
         chair, first = series[0]
         covariance = np.zeros((6, 6))
         covariance[:3, :3], covariance[3:, 3:] = first.covariance, scale_covariance(self.parameters)

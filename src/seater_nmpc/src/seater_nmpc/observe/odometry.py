@@ -32,8 +32,8 @@ class Odometry:
 class Travel:
     """Sums over everything driven since the buffer began: what the drift of the odometry between two times depends on.
 
-    ds and dt are the way (negative backward) and the turn of a short step, q = (1, x, y) with the chair's place in odom,
-    c the unit vector of its direction there.
+    ds and dt are the way (negative backward) and the turn of a short step, q = (1, x, y) with the chair's place in
+    odom, c the unit vector of its direction there.
     """
 
     way: Array  # (3,) of q ds

@@ -1,4 +1,4 @@
-"""What was sent to the motors, and the chair from the last measurement to when the next command acts: delay, latency, lag."""
+"""What was sent to the motors, and the chair from the last measurement until the next command acts."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class _Sent(NamedTuple):
 
 
 class CommandHistory:
-    """All commands that were sent to one chair, and when each of them acts. Its readers look at it through a CommandView."""
+    """All commands that were sent to one chair, and when each of them acts. Readers have a CommandView of it."""
 
     def __init__(self, prediction: Prediction) -> None:
         self.prediction = prediction

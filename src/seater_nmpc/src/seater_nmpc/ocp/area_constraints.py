@@ -19,8 +19,9 @@ from seater_nmpc.programme import StageProgramme
 
 Array = NDArray[np.float64]
 
-# The slacks that are violations of the plan: all kinds before the view, which is a wish.
-_VIOLATIONS = slice(0, int(Slack.VIEW))
+_VIOLATIONS = [int(kind) for kind in Slack if kind.is_violation]
+# The kinds of slack under each penalty weight.
+_PENALISED = {weight: [int(kind) for kind in Slack if kind.weight == weight] for weight in (k.weight for k in Slack)}
 
 
 @dataclass(frozen=True)
@@ -32,8 +33,8 @@ class _BuiltStage:
 
 
 class AreaConstraints:
-    """Every stage has the variables of its constraints and one slack of each kind, each slack with an exact penalty weight, so
-    that nothing is ever infeasible."""
+    """Every stage has the variables of its constraints and one slack of each kind, each slack with an exact penalty
+    weight, so that nothing is ever infeasible."""
 
     def __init__(self, chair: Chair, parameters: ControlParameters, programme: StageProgramme, areas: Areas) -> None:
         """`areas` fixes how many parts each kind has; where they are comes with each instance."""
@@ -58,15 +59,15 @@ class AreaConstraints:
             for margin in of_kind:
                 programme.constrain(margin + slack[int(kind)], 0.0, math.inf)
             margins.append(ca.vertcat(*of_kind))
-        weight, violations = self._weights.violation, slack[_VIOLATIONS]
-        programme.cost += step * weight * (ca.sum1(violations) + ca.sumsqr(violations))
-        programme.cost += step * self._weights.view * (slack[int(Slack.VIEW)] + slack[int(Slack.VIEW)] ** 2)
+        for weight, kinds in _PENALISED.items():
+            programme.cost += step * getattr(self._weights, weight) * (ca.sum1(slack[kinds]) + ca.sumsqr(slack[kinds]))
         self._stages.append(_BuiltStage(stage, margins))
 
     def refinement(self, x: ca.SX, lower: ca.SX, upper: ca.SX) -> ca.SX:
-        """The variables x with, for the poses in them, the constraints' best variables and the smallest sufficient slacks.
+        """The variables x with, for their poses, the constraints' best variables and the smallest sufficient slacks.
 
-        What a linearisation says about separating lines and slacks holds near its point only; this is true of the iterate.
+        What a linearisation says about separating lines and slacks holds near its point only; this is true of the
+        iterate.
         """
         x, flexible = ca.SX(x), [constraint for constraint in self._constraints if constraint.symbols]
         for k, built in enumerate(self._stages):
@@ -99,7 +100,7 @@ class AreaConstraints:
             x[where] = old[where]
 
     def violation(self, x: Array) -> float:
-        """Largest violation of an area or of the bay's speed in the plan [m or m/s]; the view is a wish, not counted."""
+        """Largest violation of an area or the bay's speed in the plan [m or m/s]; the view is a wish, not counted."""
         return max(0.0, float(np.max(x[self._index()[1][:, _VIOLATIONS]])))
 
     def _index(self) -> tuple[Indices, Indices]:

@@ -21,11 +21,12 @@ _REVERSE_WIDTH = 0.02  # [m/s] over which the cost of driving backward sets in
 class DockingProblem(Problem):
     """Quadratic stage cost, exact L1 terminal penalty, acceleration limits, soft areas against the whole footprint.
 
-    Variables in the order z0, u0, z1, areas1, u1, ..., zN, areasN, t with z = (x, y, theta, v, omega), u = (dv/dt, domega/dt).
+    Variables in the order z0, u0, z1, areas1, u1, ..., zN, areasN, t with z = (x, y, theta, v, omega) and
+    u = (dv/dt, domega/dt).
 
-    The prediction's speeds are ramps; the chair holds each command r_k for a control period T from its beginning on, and so
-    drives T sum r_k = (ramps) + T/2 (r_n - r_0). Hence p - T/2 r moves as predicted, and the plan starts there (`lead` = T/2).
-    Euler steps of length h use the speed at a step's beginning, which is another h/2 late.
+    The prediction's speeds are ramps; the chair holds each command r_k for a control period T from its beginning on,
+    and so drives T sum r_k = (ramps) + T/2 (r_n - r_0). Hence p - T/2 r moves as predicted, and the plan starts there
+    (`lead` = T/2). Euler steps of length h use the speed at a step's beginning, which is another h/2 late.
     """
 
     def _build(self, programme: StageProgramme) -> None:

@@ -1,4 +1,4 @@
-"""Limits of jerk: how fast the planned accelerations may change. An option; without it nothing is added to the programme."""
+"""Limits of jerk: how fast planned accelerations may change. An option: without it the programme is as before."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from seater_nmpc.programme import StageProgramme
 
 
 class JerkLimits:
-    """|u_k - u_(k-1)| <= jerk * step + s for the accelerations u = (dv/dt, domega/dt), with u_(-1) given with each instance.
+    """|u_k - u_(k-1)| <= jerk * step + s for the accelerations u = (dv/dt, domega/dt); u_(-1) comes with the instance.
 
-    A step is as long as one of the prediction, the first one a control period: after that the next plan begins. Soft with an
-    exact penalty, so that a chair near its speed limits never has an infeasible problem. Neighbouring stages are coupled, which
-    not every solver takes.
+    A step is as long as one of the prediction, the first one a control period: after that the next plan begins. Soft
+    with an exact penalty, so that a chair near its speed limits never has an infeasible problem. Neighbouring stages
+    are coupled, which not every solver takes.
     """
 
     def __init__(self, parameters: ControlParameters, programme: StageProgramme) -> None:

@@ -1,7 +1,7 @@
 """The chair as a unicycle, in CasADi: the paper's Euler step and an exact arc step.
 
-Units: m, rad, s. A pose is (x, y, theta) of base_link in the frame of the problem (the target's). The augmented state is
-z = (x, y, theta, v, omega), where v and omega are the speeds that the chair was last asked for, and the input is
+Units: m, rad, s. A pose is (x, y, theta) of base_link in the frame of the problem (the target's). The augmented state
+is z = (x, y, theta, v, omega), where v and omega are the speeds that the chair was last asked for, and the input is
 u = (dv/dt, domega/dt), so that acceleration limits are plain bounds on u.
 """
 

@@ -1,7 +1,7 @@
 """What the optimal control problems of docking share: multiple shooting (formulas: docs/explanation/controller.md).
 
-The target is the origin, so the heading is wrapped once, by the caller, and nothing wraps or kinks inside (but F2 of the
-paper's formulation, which is taken as it is).
+The target is the origin, so the heading is wrapped once, by the caller, and nothing wraps or kinks inside (but F2 of
+the paper's formulation, which is taken as it is).
 """
 
 from __future__ import annotations
@@ -65,8 +65,8 @@ class Problem(ABC):
         lines: Array | None = None,
         acceleration: tuple[float, float] = (0.0, 0.0),
     ) -> ProblemData:
-        """The instance for the initial state (x, y, theta, v, omega), the areas and the `lines` of obstacles, all in the
-        target's frame; `acceleration` (dv/dt, domega/dt) is the last one, for the limits of jerk."""
+        """The instance for the initial state (x, y, theta, v, omega), the areas and the `lines` of obstacles, all in
+        the target's frame; `acceleration` (dv/dt, domega/dt) is the last one, for the limits of jerk."""
         lower, upper = self._lower.copy(), self._upper.copy()
         lower[self._z[0]] = upper[self._z[0]] = self._initial(state)
         p = np.zeros(self._parameter_size)

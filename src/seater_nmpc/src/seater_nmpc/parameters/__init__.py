@@ -1,4 +1,4 @@
-"""Every parameter of controller, observer and docking sequence: meaning, unit, range, default (config/controller.yaml)."""
+"""Every parameter of controller, observer and sequence: meaning, unit, range, default (config/controller.yaml)."""
 
 from __future__ import annotations
 

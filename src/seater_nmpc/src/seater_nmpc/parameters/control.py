@@ -28,8 +28,8 @@ class Weights:
 def weight_set(name: str) -> Weights:
     """`calm`: the defaults, quiet under noisy poses; `fast`: quicker and exact, several times louder under noise.
 
-    With a perfect state `fast` is most exact with `fine_steps` about half of the horizon: the plan's first steps are then
-    what the chair drives.
+    With a perfect state `fast` is most exact with `fine_steps` about half of the horizon: the plan's first steps are
+    then what the chair drives.
     """
     sets = {"calm": Weights(), "fast": Weights(speed=0.01, acceleration=0.001, reverse=0.0, terminal=10.0)}
     if name not in sets:

@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 
 class Corridor:
-    """Decides when the final straight may begin and when the bay was missed; poses are base_link in the dock's frame."""
+    """Decides when the final straight may begin and when the bay was missed; poses: base_link in the dock's frame."""
 
     def __init__(self, chair: Chair, dock: Dock, parameters: SequenceParameters) -> None:
         self._parameters = parameters

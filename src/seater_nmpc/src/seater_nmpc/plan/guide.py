@@ -19,8 +19,8 @@ _WINDOW = 1.0  # [m] how far ahead along the way the chair's place on it is look
 class Guide:
     """Follows one path. A place along a leg counts metres driven plus `turn_length` for each radian turned.
 
-    The legs are the parts between two changes of driving direction; the chair has to come to the end of each, and the pose to
-    drive to is never beyond the leg's end.
+    The legs are the parts between two changes of driving direction; the chair has to come to the end of each, and the
+    pose to drive to is never beyond the leg's end.
     """
 
     def __init__(self, path: Path, parameters: PlannerParameters) -> None:

@@ -1,11 +1,12 @@
 """A lattice of poses ahead of the dock, and the time that each motion between two of them takes.
 
-Sixteen headings along the grid's own directions (1, 0), (2, 1), (1, 1), (1, 2) ..., so that driving straight leads from node
-to node exactly; a bend leads from one heading to the next along a parabola whose tangents are these headings, which a
-unicycle can drive exactly, too. (State lattice: Pivtoraiko, Knepper, Kelly 2009.) Everything is in the dock's frame.
+Sixteen headings along the grid's own directions (1, 0), (2, 1), (1, 1), (1, 2) ..., so that driving straight leads from
+node to node exactly; a bend leads from one heading to the next along a parabola whose tangents are these headings,
+which a unicycle can drive exactly, too. (State lattice: Pivtoraiko, Knepper, Kelly 2009.) Everything is in the dock's
+frame.
 
-A node is (mode, heading, row along x, column along y). The mode is what the chair does there: drive forward, drive backward, or
-stand; changing it costs the time to brake or to gain speed.
+A node is (mode, heading, row along x, column along y). The mode is what the chair does there: drive forward, drive
+backward, or stand; changing it costs the time to brake or to gain speed.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Where to drive to while the chair is not in front of the bay yet: plans, follows the plan, and plans anew when it has to."""
+"""Where to drive to until the chair is in front of the bay: plans, follows the plan, plans anew when it has to."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ class Navigator:
         self._guide, self._tried = None, False
 
     def see(self, obstacles: list[Array]) -> None:
-        """The obstacles of this cycle, convex polygons (n, 2). When they moved onto the way, the next target comes from a new
-        plan; while the way is clear of them it is kept, as a search takes several control cycles."""
+        """The obstacles of this cycle, convex polygons (n, 2). When they moved onto the way, the next target comes from
+        a new plan; while the way is clear of them it is kept, as a search takes several control cycles."""
         if not _moved(self._planner.obstacles, obstacles, self._parameters.obstacle_shift):
             return
         self._planner.set_obstacles(obstacles)
@@ -60,8 +60,8 @@ class Navigator:
         return self._farthest(self._guide, np.asarray(pose, dtype=float))
 
     def _farthest(self, guide: Guide, pose: Array) -> Array:
-        """The farthest target on the way that the chair can drive straight to: behind the corner of an obstacle, the controller
-        would not find its way round."""
+        """The farthest target on the way that the chair can drive straight to: behind the corner of an obstacle, the
+        controller would not find its way round."""
         if not self._planner.obstacles:
             return guide.target(pose, math.inf)
         for fraction in _LOOKAHEADS:
@@ -99,5 +99,5 @@ def _moved(before: list[Array], now: list[Array], shift: float) -> bool:
 
 
 def _shift(before: Array, now: Array) -> float:
-    """Largest change of a coordinate [m], whichever corner the outlines begin with: noise decides that for upright boxes."""
+    """Largest change of a coordinate [m], whichever corner the outlines begin with: for upright boxes noise decides."""
     return min(float(np.max(np.abs(np.roll(before, i, axis=0) - now))) for i in range(len(before)))

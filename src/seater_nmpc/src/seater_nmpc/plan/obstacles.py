@@ -1,4 +1,4 @@
-"""What others say stands in the way: checked once, held in odom or with the dock, given to the controller every cycle."""
+"""Obstacles that others report: checked once, held in odom or with the dock, given to the controller every cycle."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 def usable_outlines(polygons: Iterable[ArrayLike]) -> tuple[list[Array], list[str]]:
-    """The convex hulls (n, 2) of those polygons that have one, and a complaint (index: reason) about each of the others."""
+    """The convex hulls (n, 2) of the polygons that have one, and a complaint (index: reason) about each other one."""
     outlines, complaints = [], []
     for index, polygon in enumerate(polygons):
         try:
@@ -25,7 +25,7 @@ def usable_outlines(polygons: Iterable[ArrayLike]) -> tuple[list[Array], list[st
 
 
 class ObstacleMemory:
-    """The obstacles that count now. In odom they stand still while the dock's estimate moves; bound to the dock, with it."""
+    """The obstacles that count now. When the dock's estimate moves, those in odom stay and those of the dock follow."""
 
     def __init__(self, timeout: float) -> None:
         """`timeout` [s]: how long they hold without news; 0: for ever."""

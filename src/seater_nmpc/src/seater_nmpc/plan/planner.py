@@ -1,8 +1,9 @@
 """Which way round to the dock: forward, backward, past obstacles. A search over the lattice, once per approach.
 
-The optimal control problem looks a few seconds ahead and finds the best motion near its guess; it does not find out that it
-has to back up first. So the quickest path from everywhere to the corridor in front of the bay is searched (Dijkstra, scipy),
-with the whole footprint clear of walls and obstacles and the markers in the camera's view. The controller drives along it.
+The optimal control problem looks a few seconds ahead and finds the best motion near its guess; it does not find out
+that it has to back up first. So the quickest path from everywhere to the corridor in front of the bay is searched
+(Dijkstra, scipy), with the whole footprint clear of walls and obstacles and the markers in the camera's view. The
+controller drives along it.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ class Path:
 
 
 class Planner:
-    """Plans in the dock's frame. What costs time is done when obstacles change, in the first call of `path` after that."""
+    """Plans in the dock's frame. What costs time is done in the first call of `path` after obstacles changed."""
 
     def __init__(
         self, chair: Chair, dock: Dock, parameters: PlannerParameters, margin: float, view_half_angle: float
@@ -168,7 +169,7 @@ class Planner:
         return bool(np.all(self._clear(ahead, self._walls))) and self.clear_of_obstacles(lane)
 
     def _time_from(self, poses: Array) -> Array:
-        """Seconds from a goal pose to the dock's frame, driving straight (the bay's speed limit is the same for all)."""
+        """Seconds from a goal pose straight to the dock's frame (the bay's speed limit is the same for all)."""
         return -poses[:, 0] / self._chair.limits.v_max
 
     def _sees(self, poses: Array) -> NDArray[np.bool_]:

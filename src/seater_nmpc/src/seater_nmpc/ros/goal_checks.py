@@ -25,7 +25,7 @@ class RefusedError(Exception):
 def check_goal(
     kind: str, goal: Any, dock_name: str, transforms: tf2_ros.Buffer, odom_frame: str
 ) -> NDArray[np.float64] | None:
-    """The rough dock pose (x, y, heading) in odom that a `dock` goal gives; None where it names the dock, and for `undock`.
+    """The rough dock pose (x, y, heading) in odom that a `dock` goal gives; None if it names the dock, or for `undock`.
 
     Raises:
         RefusedError: bad time-out, unknown dock, a pose that is not finite or has no transform at its stamp.

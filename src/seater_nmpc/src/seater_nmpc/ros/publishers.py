@@ -35,7 +35,7 @@ class Publishers:
         self.stamp, self.odom_frame, self.base_frame = rospy.Time(0), "odom", "base_link"
 
     def request(self, v: float, omega: float) -> None:
-        """The velocity request. Once `close` was called nothing but zero goes out, whatever a worker is about to send."""
+        """The velocity request. After `close` nothing but zero goes out, whatever a worker is about to send."""
         with self._sending:
             v, omega = (0.0, 0.0) if self._closing else (v, omega)
             self._requested = self.stamp

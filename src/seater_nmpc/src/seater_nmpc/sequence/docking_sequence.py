@@ -4,8 +4,8 @@
                            ^          |                     |
                            +- RETRY <-+---------------------+      UNDOCKING -> done
 
-Every goal ends in exactly one step with a result, and the command of that step is zero at once: what the chair then does
-with its speed is limited by the safety gate, which brakes within the chair's limits.
+Every goal ends in exactly one step with a result, and the command of that step is zero at once: what the chair then
+does with its speed is limited by the safety gate, which brakes within the chair's limits.
 """
 
 from __future__ import annotations

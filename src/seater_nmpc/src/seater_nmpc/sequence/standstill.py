@@ -1,4 +1,4 @@
-"""Whether the chair stands, for how long, and whether it is near enough to stop for good. Times are message time [s]."""
+"""Whether the chair stands, how long, and whether it is near enough to stop for good. Times are message time [s]."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Standstill:
         return self.stands(chair) and chair.stamp - self._moved > self._parameters.stall_time
 
     def at_rest_in_place(self, chair: Instant, error: Array) -> bool:
-        """In the hold zone, or in the release zone for `settle_time`: as near as it gets. `error`: to the dock, (3,)."""
+        """In the hold zone, or in the release zone for `settle_time`: as near as it gets. `error` (3,): to the dock."""
         p, position, heading = self._parameters, math.hypot(error[0], error[1]), abs(error[2])
         if self.released(error):
             self._left_release = chair.stamp

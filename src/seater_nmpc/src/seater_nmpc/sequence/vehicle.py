@@ -1,7 +1,7 @@
 """The border between the wheelchair and the core, which knows docking forward only.
 
-For a dock that is entered backward, the core drives the chair turned about: base_link' is base_link turned by pi about z,
-so what was the back is the front. Odometry is turned on its way in, commands and plans on their way out.
+For a dock that is entered backward, the core drives the chair turned about: base_link' is base_link turned by pi about
+z, so what was the back is the front. Odometry is turned on its way in, commands and plans on their way out.
 """
 
 from __future__ import annotations

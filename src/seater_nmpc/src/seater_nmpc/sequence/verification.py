@@ -33,7 +33,7 @@ def within(error: Array, tolerance: Tolerance) -> bool:
 
 
 class Verification:
-    """One verification, begun when the chair stands. Where the contact is required, it waits, nudges once, waits again."""
+    """One verification, begun when the chair stands. If contact is required, it waits, nudges once, waits again."""
 
     def __init__(self, dock: Dock, parameters: SequenceParameters, require_contact: bool, now: float) -> None:
         self._dock, self._parameters, self._require_contact = dock, parameters, require_contact

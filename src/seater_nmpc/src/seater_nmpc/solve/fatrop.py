@@ -17,9 +17,10 @@ from seater_nmpc.solve.nlpsol import run_nlpsol
 class FatropSolver:
     """fatrop: an interior point method that factorises stage by stage. No warm start of multipliers.
 
-    The initial state, fixed by its bounds, becomes an equality; the constraints are brought into fatrop's order (of each
-    stage the dynamics first). The stages are read off the sparsity of the equalities, so a programme whose variables come
-    in the order of the stages is all that is needed. fatrop has no wall-time limit: the iterations are limited.
+    The initial state, fixed by its bounds, becomes an equality; the constraints are brought into fatrop's order (of
+    each stage the dynamics first). The stages are read off the sparsity of the equalities, so a programme whose
+    variables come in the order of the stages is all that is needed. fatrop has no wall-time limit: the iterations are
+    limited.
     """
 
     name: ClassVar[str] = "fatrop"
@@ -99,8 +100,8 @@ class FatropSolver:
 def _stages(jacobian: ca.Sparsity, equality: Array, nx: int) -> tuple[list[int], Array]:
     """Inputs of each stage 0..N, and for each constraint its stage k (dynamics) or k + 0.5 (any other).
 
-    The last `nx` constraints fix the initial state; the other equalities are the dynamics, in groups of nx, with the next
-    state as their right-most variables. A constraint belongs to the stage that its left-most variable is in.
+    The last `nx` constraints fix the initial state; the other equalities are the dynamics, in groups of nx, with the
+    next state as their right-most variables. A constraint belongs to the stage that its left-most variable is in.
     """
     rows, columns = (np.array(values) for values in jacobian.get_triplet())
     left, right = np.full(len(equality), jacobian.size2()), np.zeros(len(equality), dtype=int)

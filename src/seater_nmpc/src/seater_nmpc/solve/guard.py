@@ -1,4 +1,4 @@
-"""What stands between any solver and the controller: exceptions, numbers that are not finite, late and infeasible results."""
+"""What stands between a solver and the controller: exceptions, numbers not finite, late and infeasible results."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ class GuardedSolver:
     """Passes on to a solver and trusts nothing that comes back.
 
     - An exception, numbers that are not finite, arrays of a wrong length: FAILED.
-    - Later than the time limit by more than a tenth: LIMIT with an infinite violation. It is not used in this cycle, which is
-      over; the next one may go on from it.
+    - Later than the time limit by more than a tenth: LIMIT with an infinite violation. It is not used in this cycle,
+      which is over; the next one may go on from it.
     - SOLVED, but the variables leave their bounds, or violate constraints, by more than `feasibility`: LIMIT.
     """
 

@@ -1,8 +1,8 @@
 """The programme linearised at a point, and its quadratic programme solved by PIQP.
 
-One CasADi function returns the whole linearisation into buffers that PIQP's sparse matrices are views of. The Hessian is the
-cost's own, which is convex here, and of the dynamics' curvature (weighted with the last multipliers) the convex part: without
-it, as Gauss-Newton does, full steps swing where the terminal penalty is high and the inputs are cheap.
+One CasADi function returns the whole linearisation into buffers that PIQP's sparse matrices are views of. The Hessian
+is the cost's own, which is convex here, and of the dynamics' curvature (weighted with the last multipliers) the convex
+part: without it, as Gauss-Newton does, full steps swing where the terminal penalty is high and the inputs are cheap.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class NoStepError(Exception):
 
 
 class QuadraticModel:
-    """The programme linearised at a point, as PIQP takes it: minimise 1/2 d'Pd + c'd, A d = b, h_l <= G d <= h_u, bounds.
+    """The programme linearised at a point, as PIQP takes it: min 1/2 d'Pd + c'd, A d = b, h_l <= G d <= h_u, bounds.
 
     Variables that the bounds fix (the initial state) are not part of it. The sparsity never changes.
     """
@@ -49,8 +49,8 @@ class QuadraticModel:
         lam_g = ca.SX.sym("lam_g", g.numel())
         hessian = ca.triu(hessian) if curvature is None else ca.triu(hessian) + curvature(x, p, lam_g)
         hessian = hessian[free, free]
-        # a proximal term where the cost has no curvature (the angles of the separating lines): the steps stay small, the
-        # solution stays where it is
+        # a proximal term where the cost has no curvature (the angles of the separating lines): the steps stay small,
+        # the solution stays where it is
         flat = [hessian.sparsity().has_nz(i, i) for i in range(len(free))]
         hessian += ca.diag(ca.sparsify(ca.DM([0.0 if curved else parameters.proximal for curved in flat])))
         jacobian = ca.jacobian(g, x)

@@ -1,4 +1,4 @@
-"""Sequential quadratic programming in real time: one quadratic programme per control cycle (Diehl, Bock, Schloeder 2005)."""
+"""Sequential quadratic programming in real time: one QP per control cycle (Diehl, Bock, Schloeder 2005)."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from seater_nmpc.solve.interface import Array, Solution, Solver, SolveStatus, al
 from seater_nmpc.solve.ipopt import IpoptSolver
 from seater_nmpc.solve.quadratic_model import NoStepError, QuadraticModel
 
-# The line search: step lengths that are tried, and by how much the merit function may grow, relative and absolute. Full steps
-# are the rule; it helps where the linearisation points across a bend and two points would alternate.
+# The line search: step lengths that are tried, and by how much the merit function may grow, relative and absolute. Full
+# steps are the rule; it helps where the linearisation points across a bend and two points would alternate.
 _STEP_LENGTHS = (1.0, 0.5, 0.25)
 _MERIT_RISE = 1.0
 _TIME_RESERVE = 1.5  # another iteration is begun only if this many times the last one's duration is left
@@ -40,10 +40,10 @@ class _Iterate:
 
 
 class RtiSolver:
-    """Newton steps from the last plan, in full where that does no harm; a cold start (no multipliers) is left to `converging`.
+    """Newton steps from the last plan, in full where harmless; a cold start (no multipliers) is left to `converging`.
 
-    A cycle takes `iterations` steps, and further ones, up to `max_iterations`, while a constraint is violated by more than
-    `feasibility`; but after the first one only while time remains.
+    A cycle takes `iterations` steps, and further ones, up to `max_iterations`, while a constraint is violated by more
+    than `feasibility`; but after the first one only while time remains.
     """
 
     name: ClassVar[str] = "rti"

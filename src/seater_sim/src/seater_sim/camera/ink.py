@@ -1,9 +1,9 @@
 """How much of each pixel the print of a marker covers: area sampling.
 
-The image's patch is sampled S x S times per pixel. The texture has (nearly) one texel per sample, each texel is wholly ink
-or paper, and bilinear interpolation turns every edge into a ramp of one sample's width that is symmetric about the true
-edge. The sum of such ramps over the samples of a pixel is linear in the edge's place, so the covered area is right without
-bias, even for edges that run exactly along the pixel rows, where point samples would jump by 1/S px.
+The image's patch is sampled S x S times per pixel. The texture has (nearly) one texel per sample, each texel is wholly
+ink or paper, and bilinear interpolation turns every edge into a ramp of one sample's width that is symmetric about the
+true edge. The sum of such ramps over the samples of a pixel is linear in the edge's place, so the covered area is right
+without bias, even for edges that run exactly along the pixel rows, where point samples would jump by 1/S px.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class InkRenderer:
         self._rays = self._model.rays(MARGIN) if self._model.distorted else None
 
     def box(self, outline: Array) -> Box | None:
-        """The pixels that the printed square, (4, 3) [m] in the optical frame, can touch; None when out of the image."""
+        """The pixels that the printed square, (4, 3) [m] in the optical frame, can touch; None: out of the image."""
         pixels = self._frustum.outline(outline)
         return None if pixels is None else bounding_box(pixels, self._model, 1.0)
 

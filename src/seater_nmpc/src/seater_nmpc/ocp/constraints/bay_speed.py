@@ -16,15 +16,15 @@ from seater_nmpc.programme import StageProgramme
 
 Array = NDArray[np.float64]
 
-# The bound on the speed bends from the bay's limit into the braking curve over a few times this width [m], so far ahead of
-# the entrance [m]. Sharper, and full steps across the bend do not settle.
+# The bound on the speed bends from the bay's limit into the braking curve over a few times this width [m], so far ahead
+# of the entrance [m]. Sharper, and full steps across the bend do not settle.
 _SOFTPLUS_WIDTH = 0.06
 _SOFTPLUS_SHIFT = 3.0 * _SOFTPLUS_WIDTH
 _ROUNDING = 0.02  # [-] rounding of |sin| and |cos| in the reach of the footprint: slows down up to 10 mm early
 
 
 def allowed_speed(left: ca.SX, limits: Limits, deceleration: float) -> ca.SX:
-    """sqrt(v_bay^2 + 2 a (left)+), smooth: with `left` [m] to go to the bay, the chair can still brake to the bay's limit.
+    """sqrt(v_bay^2 + 2 a (left)+), smooth: with `left` [m] to the bay, the chair can still brake to the bay's limit.
 
     a is the fraction `deceleration` of the chair's largest one. At the entrance it is the bay's limit exactly.
     """

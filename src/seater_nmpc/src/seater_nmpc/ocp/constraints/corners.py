@@ -24,8 +24,9 @@ _SCAN = 9  # angles that an initial guess is chosen from
 class Corner:
     """A convex corner of an obstacle: the obstacle lies behind both faces that meet in `point`.
 
-    A line separates a convex footprint from it exactly when its normal (towards the chair) lies between the normals of the
-    two faces and every corner V of the footprint has normal . (V - point) >= 0; so the line needs one number, its angle.
+    A line separates a convex footprint from it exactly when its normal (towards the chair) lies between the normals of
+    the two faces and every corner V of the footprint has normal . (V - point) >= 0; so the line needs one number, its
+    angle.
     """
 
     point: tuple[float, float]  # [m]
@@ -54,8 +55,8 @@ class Corners:
 
 
 def side_wall_corners(bay: Bay) -> Corners:
-    """Each side wall is taken with everything behind its end face and its inner face (the chair comes from the open side),
-    so that one corner stands for it. In the dock's frame."""
+    """Each side wall is taken with everything behind its end face and its inner face (the chair comes from the open
+    side), so that one corner stands for it. In the dock's frame."""
     x, half = bay.entrance_x, 0.5 * bay.width
     left = Corner((x, half), first=-math.pi, last=-0.5 * math.pi)
     right = Corner((x, -half), first=0.5 * math.pi, last=math.pi)
@@ -63,7 +64,7 @@ def side_wall_corners(bay: Bay) -> Corners:
 
 
 class CornerConstraint(AreaConstraint[Corners]):
-    """(cos b, sin b) . (V - point) >= margin for every corner V of the footprint; b, between both faces' normals, is free."""
+    """(cos b, sin b) . (V - point) >= margin for each corner V of the footprint; b is free between both normals."""
 
     slack = Slack.AREA
 
@@ -127,7 +128,7 @@ def separating_angle(footprint: ArrayLike, corner: Corner) -> float:
 
 
 def best_angle(corners: ca.SX, heading: ca.SX, first: ca.SX, last: ca.SX) -> ca.SX:
-    """The angle b in [first, last] with the largest min_i (cos b, sin b) . V_i, for the corners V (4, 2) seen from the point.
+    """The angle b in [first, last] with the largest min_i (cos b, sin b) . V_i; corners V (4, 2) seen from the point.
 
     It is one of: the ends of the range, the direction of a corner, the direction across a side of the footprint.
     """

@@ -21,11 +21,20 @@ A = TypeVar("A")
 
 
 class Slack(IntEnum):
-    """The slack variable of a stage that makes a constraint soft."""
+    """The slack variable of a stage that makes a constraint soft; its value is its row among the stage's slacks."""
 
-    AREA = 0  # [m] by which the footprint is inside a prohibited area
-    SPEED = 1  # [m/s] beyond the allowed speed
-    VIEW = 2  # [m] across the line of sight: a wish, not reported as a violation
+    weight: str  # the field of parameters.Weights that penalises it
+    is_violation: bool  # reported as a violation of the plan; what is not is a wish
+
+    AREA = "violation", True  # [m] by which the footprint is inside a prohibited area
+    SPEED = "violation", True  # [m/s] beyond the allowed speed
+    VIEW = "view", False  # [m] across the line of sight
+
+    def __new__(cls, weight: str, is_violation: bool) -> Slack:
+        row = len(cls.__members__)
+        kind = int.__new__(cls, row)
+        kind._value_, kind.weight, kind.is_violation = row, weight, is_violation
+        return kind
 
 
 @dataclass(frozen=True)
@@ -76,7 +85,7 @@ class AreaConstraint(ABC, Generic[A]):
         """Write an initial guess of own variables into x, for the trajectory `states` (N + 1, >= 3)."""
 
     def best(self, stage: Stage, lower: ca.SX, upper: ca.SX) -> ca.SX:
-        """The stage's own variables with the largest margin at its pose, within their bounds (bounds of all variables)."""
+        """The stage's own variables with the largest margin at its pose, within the bounds (of all variables)."""
         raise NotImplementedError
 
 

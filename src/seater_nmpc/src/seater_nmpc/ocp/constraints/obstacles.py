@@ -19,7 +19,7 @@ _SIZE = 7  # parameters of a line: normal, offset, and the two corners of the fo
 
 
 class ObstacleConstraint(AreaConstraint[Array]):
-    """Each stage has `max_obstacles` lines; the two corners of the footprint nearest to a line stay ahead of it by the margin.
+    """Each stage has `max_obstacles` lines; the two corners nearest to a line stay ahead of it by the margin.
 
     The lines are parameters, not variables, and a plan that keeps them is clear of the polygons.
     """
@@ -49,7 +49,7 @@ class ObstacleConstraint(AreaConstraint[Array]):
         p[self._where] = np.ravel(self._no_lines() if area is None else area)
 
     def lines(self, polygons: list[Array], states: Array) -> Array:
-        """Parameters of the lines that separate the footprint, at the states of the stages 1..N, from the nearest polygons.
+        """Parameters of the lines that separate the footprint, at the states 1..N, from the nearest polygons.
 
         `polygons`: convex, anticlockwise, (n, 2) each, in the frame of `states` (N + 1, >= 3). Shape (N, slots, 7).
         """

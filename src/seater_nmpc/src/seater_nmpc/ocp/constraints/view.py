@@ -42,8 +42,8 @@ def outermost_markers(dock: Dock) -> View:
 
 
 class ViewConstraint(AreaConstraint[View]):
-    """The right point is inside the left edge of the view and the left point inside the right edge: then one of them is in
-    view, as far as they fit into it."""
+    """The right point is inside the left edge of the view and the left point inside the right edge: then one of them is
+    in view, as far as they fit into it."""
 
     slack = Slack.VIEW
 
