@@ -37,6 +37,7 @@ from seater_eval.perception.images.negatives import KINDS, OTHER_IDS, negative
 from seater_eval.perception.images.render import Print, clean_image, exposed
 from seater_eval.perception.images.scenes import upright
 from seater_eval.run.config_files import load_dock
+from seater_eval.run.progress import progress_bar
 from seater_sim.camera.camera import Camera
 from seater_sim.camera.camera_model import CameraModel
 
@@ -109,6 +110,13 @@ def photographs() -> Iterator[Shot]:
             yield Shot(f"{truth.parent.name}/{name}", pixels, image["K"], image["D"], content["dictionary"])
 
 
+def with_progress(shots: list[Shot]) -> Iterator[Shot]:
+    with progress_bar("images", len(shots)) as bar:
+        for shot in shots:
+            yield shot
+            bar.update()
+
+
 def exact(values: Any) -> list[str]:
     return [repr(float(value)) for value in np.ravel(values)]
 
@@ -143,7 +151,7 @@ def detections(config: Path) -> dict[str, Any]:
     dock = sp.load_dock_layout(yaml.safe_load((config / "docks" / "default.yaml").read_text()))
     parameters = {name: merged(defaults, change) for name, change in VARIANTS.items()}
     results, tracker = {}, None
-    for shot in (*rendered(config), *simulated(config), *photographs()):
+    for shot in with_progress([*rendered(config), *simulated(config), *photographs()]):
         height, width = shot.pixels.shape
         camera = sp.CameraModel.raw(sp.Calibration(width, height, shot.K, shot.D))
         layout = dock if shot.of_dock else sp.layout_of_equal_markers(shot.dictionary, shot.size)
@@ -152,8 +160,6 @@ def detections(config: Path) -> dict[str, Any]:
         if shot.of_dock:
             tracker = tracker or sp.DockTracker(camera, layout, defaults)
             results[f"{shot.name} tracked"] = result(tracker.detect(shot.pixels))
-        print(f"\r{len(results)} detections", end="", file=sys.stderr, flush=True)
-    print(file=sys.stderr)
     return results
 
 
