@@ -8,7 +8,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PYTHON_ROS = re.compile(r"^\s*(?:import|from)\s+(rospy|rosbag|actionlib|tf2_ros|tf|cv_bridge|\w+_msgs)\b", re.MULTILINE)
 CPP_ROS = re.compile(
-    r"#include\s*[<\"](ros/|nodelet/|image_transport/|cv_bridge/|tf2\w*/|diagnostic_updater/|message_filters/|\w+_msgs/)"
+    r"#include\s*[<\"]"
+    r"(ros/|nodelet/|image_transport/|cv_bridge/|tf2\w*/|diagnostic_updater/|message_filters/|\w+_msgs/)"
 )
 
 
