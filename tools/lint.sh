@@ -11,11 +11,12 @@ lint_catkin_lint() {
   catkin_lint -W2 --strict --ignore package_path_name config test
 }
 lint_clang_format() { find src \( -name '*.h' -o -name '*.cpp' \) -print0 | xargs -0 clang-format --dry-run --Werror; }
-# Takes minutes. Needs a build; clang cannot read GCC's precompiled headers, so the commands are taken without them.
+# Takes minutes. Needs a build; clang reads neither GCC's precompiled headers nor has it its OpenMP, so the commands are
+# taken without them.
 lint_clang_tidy() {
   [ -f build/compile_commands.json ] || { echo "lint.sh: build first (./seater build)" >&2; exit 2; }
   mkdir -p build/clang_tidy
-  sed -E 's# -Winvalid-pch##; s# -include [^ ]*/cmake_pch\.hxx##' build/compile_commands.json \
+  sed -E 's# -(Winvalid-pch|fopenmp)##g; s# -include [^ ]*/cmake_pch\.hxx##' build/compile_commands.json \
     >build/clang_tidy/compile_commands.json
   run-clang-tidy -quiet -j "$(nproc)" -p build/clang_tidy "^$PWD/src/seater_[a-z]+/(src|python)/"
 }

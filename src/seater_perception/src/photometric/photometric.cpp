@@ -120,7 +120,6 @@ struct PhotometricRefiner::Workspace {
 
   const PhotometricParameters parameters;
 
- private:
   struct Round {
     double margin = 0.0;  ///< [px] how far poses may be off
     int most = 0;         ///< pixels of a marker
