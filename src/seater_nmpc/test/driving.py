@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from seater_common.geometry import Chair, Dock
+from seater_common.geometry import Chair, Dock, polygon_distance
 from seater_common.se2 import arc_step, compose
 
 PERIOD, CHAIR, DOCK = 0.05, Chair(), Dock()
@@ -23,3 +23,8 @@ def drive(controller, start, seconds, target="dock"):
         poses.append(pose)
         commands.append(command)
     return np.array(poses), commands
+
+
+def distance_to(pose, outlines) -> float:
+    """Of the footprint to the nearest outline [m]; below zero where they overlap."""
+    return min(polygon_distance(CHAIR.corners_at(pose), outline) for outline in outlines)

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from driving import distance_to
 
-from seater_common.geometry import Chair, Dock, polygon_distance
-from seater_common.se2 import arc_step, relative
+from seater_common.geometry import Chair, Dock
+from seater_common.se2 import relative
 from seater_nmpc.parameters import ControlParameters, PlannerParameters
 from seater_nmpc.plan.guide import Guide
 from seater_nmpc.plan.lattice import Lattice
@@ -30,10 +31,6 @@ def boxed() -> Planner:
     planner = Planner(CHAIR, DOCK, PARAMETERS, CONTROL.margin, CONTROL.view_half_angle)
     planner.set_obstacles([BOX])
     return planner
-
-
-def gap(pose, outlines) -> float:
-    return min(polygon_distance(CHAIR.corners_at(pose), outline) for outline in outlines)
 
 
 def test_motions_of_the_lattice_are_those_of_a_unicycle() -> None:
@@ -63,16 +60,16 @@ def test_ahead_of_the_bay_the_way_is_driven_forward(planner: Planner) -> None:
 def test_beside_the_bay_the_chair_backs_up_first(planner: Planner) -> None:
     path = planner.path(BESIDE_THE_BAY)
     assert path is not None and np.any(path.backward)
-    assert all(gap(pose, DOCK.bay.outlines()) >= CONTROL.margin for pose in path.poses[1:])
+    assert all(distance_to(pose, DOCK.bay.outlines()) >= CONTROL.margin for pose in path.poses[1:])
     assert Guide(path, PARAMETERS).single is False
 
 
 def test_the_way_leads_round_a_box_and_is_longer(planner: Planner, boxed: Planner) -> None:
     free, path = planner.path(BEHIND_THE_BOX), boxed.path(BEHIND_THE_BOX)
     assert free is not None and path is not None and path.duration > free.duration
-    assert min(gap(pose, [BOX]) for pose in free.poses) < 0.0
+    assert min(distance_to(pose, [BOX]) for pose in free.poses) < 0.0
     dense = np.vstack([np.linspace(a, b, 5) for a, b in zip(path.poses[1:], path.poses[2:], strict=False)])
-    assert min(gap(pose, [*DOCK.bay.outlines(), BOX]) for pose in dense) >= CONTROL.margin
+    assert min(distance_to(pose, [*DOCK.bay.outlines(), BOX]) for pose in dense) >= CONTROL.margin
 
 
 def test_no_way_in_is_said(boxed: Planner) -> None:
@@ -132,31 +129,3 @@ def test_a_way_that_obstacles_leave_clear_is_kept_without_a_search(monkeypatch) 
     monkeypatch.undo()
     navigator.see([BOX + guide.rest()[3, :2] - BOX.mean(axis=0)])
     assert navigator._guide is None
-
-
-@pytest.mark.parametrize(
-    ("start", "middle", "half"),
-    [
-        ((-3.2, 0.6, -0.175), (-2.17, 0.03), 0.15),
-        ((-3.2, 0.6, -0.175), (-2.27, 0.06), 0.15),
-        ((-3.8, 1.2, -0.5), (-2.8, 0.6), 0.25),
-    ],
-)
-def test_a_box_near_the_start_is_passed(controller, start, middle, half) -> None:
-    """Where a far target would lie behind the box's corner, and the controller stop in front of it."""
-    box = np.array(middle) + half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    navigator = Navigator(CHAIR, DOCK, CONTROL)
-    controller.reset()
-    controller.set_obstacles([box])
-    navigator.see(controller.obstacles)
-    pose, velocity, nearest = np.array(start), (0.0, 0.0), math.inf
-    for _ in range(300):
-        command = controller.command(pose, velocity, [0.0, 0.0, 0.0], navigator.target(pose))
-        velocity = (command.v, command.omega)
-        pose = arc_step(pose, *velocity, CONTROL.control_period)
-        nearest = min(nearest, gap(pose, [box, *DOCK.bay.outlines()]))
-        if abs(pose[1]) < 0.05 and abs(pose[2]) < 0.1 and navigator.straight_way_clear(pose):
-            break
-    controller.set_obstacles([])
-    assert abs(pose[1]) < 0.05 and pose[0] > middle[0]
-    assert nearest >= CONTROL.margin - 0.01
