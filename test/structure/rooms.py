@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections import defaultdict
 from pathlib import Path
 
 import yaml
@@ -98,7 +97,4 @@ def _is_module(top: Path, parts: list[str]) -> bool:
 
 
 def _without_loops(arrows: Arrows) -> Arrows:
-    full: defaultdict[str, set[str]] = defaultdict(set)
-    for room, used in arrows.items():
-        full[room] |= used - {room}
-    return dict(full)
+    return {room: used - {room} for room, used in arrows.items()}
