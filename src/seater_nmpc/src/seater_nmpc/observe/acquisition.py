@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +14,10 @@ from seater_nmpc.observe.odometry import Instant
 
 Array = NDArray[np.float64]
 Series = list[tuple[Instant, Measurement]]
+Drift = Callable[[Array, Instant, Instant], Array]
 
 _PATIENCE = 4  # times the images that are needed, after which the likelier pose is taken though the odds are open
+_AGREEING = 0.6  # fraction of the images from the first agreeing one on that have to agree
 
 
 class Acquisition:
@@ -22,13 +25,15 @@ class Acquisition:
 
     An image of a single marker may leave two poses open, and both may agree among themselves from image to image while
     the chair stands. So the weights of all images are multiplied, and a pose has to be likelier than every other one
-    that agrees by `odds`.
+    that agrees by `odds`. A wrong image now and then does not matter, as long as most of them agree.
     """
 
-    def __init__(self, count: int, gate: float, odds: float, common: Array) -> None:
+    def __init__(self, count: int, gate: float, odds: float, common: Array, drift: Drift) -> None:
         """`count`: images that have to agree; `gate`: squared Mahalanobis distance from their mean up to which they do;
-        `common`: covariance (3, 3) that is added to every measurement's for the gate."""
+        `common`: covariance (3, 3) that is added to every measurement's for the gate; `drift(dock, before, now)`: the
+        covariance (3, 3) of how far odometry may have moved the dock (3,) in odom between two instants."""
         self._count, self._gate, self._odds, self._common = count, gate, math.log(odds), common
+        self._drift = drift
         self._images: deque[tuple[Instant, list[Measurement]]] = deque(maxlen=_PATIENCE * count)
 
     def clear(self) -> None:
@@ -38,28 +43,43 @@ class Acquisition:
     def offer(self, chair: Instant, offered: list[Measurement]) -> Series | None:
         """Take the poses in odom that an image leaves open; the images in the order of their times once they agree."""
         self._images.append((chair, offered))
-        while len(self._images) >= self._count:
-            agreeing = sorted(self._agreeing(offered), key=lambda scored: scored[0], reverse=True)
-            if agreeing:
-                clear = len(agreeing) == 1 or agreeing[0][0] - agreeing[1][0] >= self._odds
-                if clear or len(self._images) == self._images.maxlen:
-                    return sorted(agreeing[0][1], key=lambda entry: entry[0].stamp)
-                return None
-            if len(self._images) == self._count:
-                return None
-            self._images.popleft()  # perhaps it is the oldest one that does not fit
+        if len(self._images) < self._count:
+            return None
+        agreeing = sorted(self._agreeing(chair, offered), key=lambda scored: scored[0], reverse=True)
+        if not agreeing:
+            return None
+        clear = len(agreeing) == 1 or agreeing[0][0] - agreeing[1][0] >= self._odds
+        if clear or len(self._images) == self._images.maxlen:
+            return sorted(agreeing[0][1], key=lambda entry: entry[0].stamp)
         return None
 
-    def _agreeing(self, candidates: list[Measurement]) -> list[tuple[float, Series]]:
-        """For each pose of the newest image the nearest ones in the others, where these agree; with log weights."""
+    def _agreeing(self, now: Instant, candidates: list[Measurement]) -> list[tuple[float, Series]]:
+        """For each pose of the newest image the ones in the others that agree with it; with log weights."""
         result = []
         for candidate in candidates:
-            series = [
-                (chair, min(poses, key=lambda m: distance(m.pose, candidate.pose, m.covariance + candidate.covariance)))
-                for chair, poses in list(self._images)[:-1]
-            ]
-            series.append((self._images[-1][0], candidate))
+            nearest = [(chair, self._nearest(chair, poses, now, candidate)) for chair, poses in list(self._images)[:-1]]
+            series = [(chair, measurement) for chair, measurement in nearest if measurement is not None]
+            series.append((now, candidate))
+            if len(series) < self._count or len(series) < _AGREEING * self._span(nearest):
+                continue
             mean = combine([measurement for _, measurement in series])
-            if all(distance(m.pose, mean.pose, m.covariance + self._common) <= self._gate for _, m in series):
+            if all(self._far(chair, m, now, mean.pose, m.covariance) <= self._gate for chair, m in series):
                 result.append((sum(math.log(m.weight) for _, m in series), series))
         return result
+
+    def _nearest(
+        self, chair: Instant, poses: list[Measurement], now: Instant, candidate: Measurement
+    ) -> Measurement | None:
+        """Of the poses that an image leaves open the one that is nearest to the candidate, if they agree."""
+        scored = [(self._far(chair, m, now, candidate.pose, m.covariance + candidate.covariance), m) for m in poses]
+        best = min(scored, key=lambda entry: entry[0])
+        return best[1] if best[0] <= self._gate else None
+
+    def _far(self, chair: Instant, measurement: Measurement, now: Instant, pose: Array, covariance: Array) -> float:
+        return distance(measurement.pose, pose, covariance + self._common + self._drift(pose, chair, now))
+
+    @staticmethod
+    def _span(nearest: list[tuple[Instant, Measurement | None]]) -> int:
+        """Images from the first agreeing one to the newest."""
+        first = next((i for i, (_, measurement) in enumerate(nearest) if measurement is not None), len(nearest))
+        return len(nearest) - first + 1

@@ -1,14 +1,18 @@
-"""How the drift of wheel odometry moves a standing dock in odom, with what is known about it.
+"""How the drift of odometry moves a standing dock in odom, with what is known about it.
 
-The odometry measures way and turn as s' = (1 + e_s) s + n_s, t' = (1 + e_t) t + e_d s + n_t (seater_sim's odometry has
-the same model): constant errors e = (e_s, e_t, e_d) that are estimated, and white noise of variances
-distance_noise^2 |s| and heading_noise^2 |s| + turn_noise^2 |t|. The true chair lags by e_s ds' along its direction and
-by e_t dt' + e_d ds' in its turn, so to first order the dock, seen from the chair where it is, moves in odom by the
-first and swings round it by the second:
+The odometry measures way and turn as s' = (1 + e_s) s + n_s, t' = (1 + e_t) t + e_d s + b T + n_t, where T is the time
+(seater_sim's kinematic odometry has the same model without b): errors e = (e_s, e_t, e_d) of wheels and track, the bias
+b of a gyro, and white noise of variances distance_noise^2 |s| and heading_noise^2 |s| + turn_noise^2 |t|. The true
+chair lags by e_s ds' along its direction and by e_t dt' + e_d ds' + b dT in its turn, so to first order the dock, seen
+from the chair where it is, moves in odom by the first and swings round it by the second:
 
-    dD = c (e_s ds' + n_s) + w (e_t dt' + e_d ds' + n_t),   w = (y - D_y, D_x - x, 1) = A (1, x, y)'.
+    dD = c (e_s ds' + n_s) + w (e_t dt' + e_d ds' + b dT + n_t),   w = (y - D_y, D_x - x, 1) = A (1, x, y)'.
 
 Summed up over a way (odometry.Travel) that is exact in first order however long the way is.
+
+On a floor that is wet here and dry there, e changes on the way and the noise is many times larger. How much so is the
+`slip`, from 0 (tyres that roll, as the parameters say) to 1 (the parameters slip_*): the noise grows by
+slip^2 slip_noise^2, and e walks at random by slip * slip_walk in each square root of a metre (or radian).
 """
 
 from __future__ import annotations
@@ -21,22 +25,35 @@ from seater_nmpc.parameters import ObserverParameters
 
 Array = NDArray[np.float64]
 
-
-def scale_covariance(p: ObserverParameters) -> Array:
-    """(3, 3) of (e_s [-], e_t [-], e_d [rad/m]) before anything was measured."""
-    return np.diag([p.scale_sd**2, p.heading_scale_sd**2, p.heading_drift_sd**2])
+SIZE = 7  # of the state: dock in odom x, y [m], heading [rad]; e_s [-], e_t [-], e_d [rad/m], b [rad/s]
 
 
-def transition(dock: Array, last: Instant, now: Instant, p: ObserverParameters) -> tuple[Array, Array]:
-    """F and Q, (6, 6), from `last` to `now` of the state (dock in odom: x, y [m], heading [rad]; e_s, e_t, e_d)."""
+def initial_errors(p: ObserverParameters, slip: float) -> tuple[Array, Array]:
+    """Mean (4,) and covariance (4, 4) of (e_s, e_t, e_d, b) before anything was measured."""
+    mean = np.array([p.odometry_scale, p.odometry_heading_scale, p.odometry_heading_drift, 0.0])
+    sd = np.array([p.scale_sd, p.heading_scale_sd, p.heading_drift_sd, 0.0])
+    slipping = slip * np.array([p.slip_walk, p.slip_walk, p.slip_walk_turn, p.gyro_bias_sd])
+    return mean, np.diag(sd**2 + slipping**2)
+
+
+def transition(dock: Array, last: Instant, now: Instant, p: ObserverParameters, slip: float) -> tuple[Array, Array]:
+    """F and Q, (7, 7), of the state from `last` to `now`; `dock` (3,): its place at `last`."""
     A = np.array([[-dock[1], 0.0, 1.0], [dock[0], -1.0, 0.0], [1.0, 0.0, 0.0]])
     travel = now.travel.plus(last.travel, -1.0)
-    F, Q = np.eye(6), np.zeros((6, 6))
+    F, Q = np.eye(SIZE), np.zeros((SIZE, SIZE))
     F[:2, 3] = now.pose[:2] - last.pose[:2]
     F[:3, 4] = A @ travel.turn
     F[:3, 5] = A @ travel.way
-    Q[:2, :2] = p.distance_noise**2 * travel.along
-    Q[:3, :3] += A @ (p.heading_noise**2 * travel.by_way + p.turn_noise**2 * travel.by_turn) @ A.T
+    F[:3, 6] = A @ travel.by_time
+    square = slip * slip
+    Q[:2, :2] = (p.distance_noise**2 + square * p.slip_distance_noise**2) * travel.along
+    by_way = p.heading_noise**2 + square * p.slip_heading_noise**2
+    by_turn = p.turn_noise**2 + square * p.slip_turn_noise**2
+    Q[:3, :3] += A @ (by_way * travel.by_way + by_turn * travel.by_turn) @ A.T
+    way, turn = travel.by_way[0, 0], travel.by_turn[0, 0]
+    Q[3, 3] = square * p.slip_walk**2 * way
+    Q[4, 4] = square * p.slip_walk**2 * turn
+    Q[5, 5] = square * p.slip_walk_turn**2 * way
     if now.stamp < last.stamp:
         Q = -Q  # backward in time the sums are negative; uncertainty grows all the same
     return F, Q

@@ -27,6 +27,7 @@ class Outcome(IntEnum):
     STALE = 7  # older than everything that is kept
     NO_ODOMETRY = 8  # none for the time of the image
     EMPTY = 9  # no dock in the image
+    WAITING = 10  # kept, until the odometry of its time arrives
 
     @property
     def accepted(self) -> bool:

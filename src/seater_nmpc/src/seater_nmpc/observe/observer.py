@@ -1,10 +1,7 @@
 """The state observer: the dock's pose in odom, from marker measurements at image time and buffered odometry.
 
-An extended Kalman filter of six states: the dock, and the constant errors of the odometry (drift.py). The dock stands
-still; what moves it in odom is the drift of the odometry, so everything counts metres and radians, not seconds. What
-calibration leaves is the same in every image: it does not average out, so it is no part of the filter's noise but of
-the gate and of the covariance that is handed out. A measurement passes the gate or it is not used; nothing is smoothed
-before that.
+Images are fused by a bank of filters (bank.py, filter.py); before the first estimate, and when no filter can believe
+what the images say though they agree among themselves, acquisition.py decides.
 """
 
 from __future__ import annotations
@@ -17,15 +14,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import CameraMount
-from seater_common.se2 import wrap_angle
-from seater_nmpc.observe.acquisition import Acquisition, Series
-from seater_nmpc.observe.drift import scale_covariance, transition
-from seater_nmpc.observe.innovation import Fusion, Innovation, Outcome, likeliest
-from seater_nmpc.observe.measurement import Hypothesis, Measurement, Planar, difference, in_frame, project
+from seater_nmpc.observe.acquisition import Acquisition
+from seater_nmpc.observe.bank import SLIPS, FilterBank
+from seater_nmpc.observe.drift import transition
+from seater_nmpc.observe.innovation import Fusion, Innovation, Outcome
+from seater_nmpc.observe.measurement import Hypothesis, Measurement, Planar, in_frame, project
 from seater_nmpc.observe.odometry import Instant, Odometry, OdometryBuffer
 from seater_nmpc.parameters import ObserverParameters
 
 Array = NDArray[np.float64]
+
+_MOST_WAITING = 20  # images that may wait for the odometry of their time
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,16 +35,14 @@ class DockEstimate:
     covariance: Array  # (3, 3)
     age: float  # since the image behind it was taken [s]
     blind_distance: float  # driven since then [m]
+    drift: Array  # (4,) errors of the odometry e_s [-], e_t [-], e_d [rad/m], b [rad/s], see drift.py
+    slip: float  # that the filter reckons with, 0 to 1
 
-
-@dataclass(frozen=True)
-class _State:
-    """The filter just after a measurement, and the measurement (to be applied again after a late one)."""
-
-    instant: Instant
-    mean: Array  # (6,)
-    covariance: Array  # (6, 6)
-    measurement: Measurement
+    def true_speeds(self, v: float, omega: float) -> tuple[float, float]:
+        """Of the chair [m/s, rad/s], from those that the odometry reports."""
+        e_s, e_t, e_d, b = (float(value) for value in self.drift)
+        v = v / (1.0 + e_s)
+        return v, (omega - b - e_d * v) / (1.0 + e_t)
 
 
 class DockObserver:
@@ -69,43 +66,63 @@ class DockObserver:
         """Forget the dock. `prior`: rough pose in odom; only measurements within `prior_radius` [m] of it acquire."""
         self._prior = None if prior is None else np.asarray(prior, dtype=float)
         self._prior_radius = prior_radius
-        self._states: deque[_State] = deque()
+        self._bank = FilterBank(self.parameters, self._calibration)
+        self._waiting: deque[tuple[float, list[Hypothesis]]] = deque(maxlen=_MOST_WAITING)
         p = self.parameters
-        self._candidates = Acquisition(p.acquire_count, p.gate, p.acquire_odds, self._calibration)
-        self._rejected = Acquisition(p.reacquire_count, p.gate, p.acquire_odds, self._calibration)
+        acquire = (p.gate, p.acquire_odds, self._calibration, self._wander)
+        self._candidates = Acquisition(p.acquire_count, *acquire)
+        self._rejected = Acquisition(p.reacquire_count, *acquire)
+        self.last_rejected: Innovation | None = None  # of the newest image, when it was outside the gate
+
+    @property
+    def prior(self) -> Array | None:
+        """The rough pose in odom that `reset` was given."""
+        return self._prior
 
     def add_odometry(self, odometry: Odometry) -> bool:
         """Take an odometry message; false when it is refused (not finite, not newer)."""
         taken = self.odometry.add(odometry)
         self.refused_odometry += not taken
+        while taken and self._waiting and self._waiting[0][0] <= odometry.stamp:
+            self.add_detections(*self._waiting.popleft())
         return taken
 
     def add_detections(self, stamp: float, hypotheses: list[Hypothesis]) -> Fusion:
         """Take what one image, taken at `stamp`, says about the dock."""
         fusion = self._take(stamp, hypotheses)
         self.counts[fusion.outcome] += 1
+        if fusion.outcome is Outcome.GATE:
+            self.last_rejected = fusion.innovation
+        elif fusion.outcome.accepted:
+            self.last_rejected = None
         return fusion
 
     def estimate(self, stamp: float | None = None) -> DockEstimate | None:
         """The dock at `stamp` (default: that of the newest odometry); None before it was found or without odometry."""
-        now = self.odometry.newest if stamp is None else self.odometry.at(stamp)
-        if not self._states or now is None:
+        now, last = self.odometry.newest if stamp is None else self.odometry.at(stamp), self._bank.last
+        if last is None or now is None:
             return None
-        last = self._states[-1]
-        mean, covariance = self._predict(last, now)
-        blind = max(0.0, now.driven - last.instant.driven)
-        age = max(0.0, now.stamp - last.instant.stamp)
+        mean, covariance = self._bank.chosen.predict(last, now)
         return DockEstimate(
-            pose=mean[:3], covariance=covariance[:3, :3] + self._calibration, age=age, blind_distance=blind
+            pose=mean[:3],
+            covariance=covariance[:3, :3] + self._calibration,
+            age=max(0.0, now.stamp - last.instant.stamp),
+            blind_distance=max(0.0, now.driven - last.instant.driven),
+            drift=mean[3:],
+            slip=self._bank.slip,
         )
 
-    def measurements_since(self, stamp: float) -> list[Measurement]:
-        """Measurements of the dock in odom that were used, of images taken at or after `stamp`."""
-        return [state.measurement for state in self._states if state.instant.stamp >= stamp]
+    def measurements_since(self, stamp: float) -> list[tuple[Instant, Measurement]]:
+        """What was used of images taken at or after `stamp`: the chair then, and the dock in odom."""
+        states = self._bank.chosen.states
+        return [(state.instant, state.measurement) for state in states if state.instant.stamp >= stamp]
 
     def _take(self, stamp: float, hypotheses: list[Hypothesis]) -> Fusion:
         if not hypotheses:
             return Fusion(outcome=Outcome.EMPTY)
+        if self._is_ahead(stamp):
+            self._waiting.append((stamp, hypotheses))
+            return Fusion(outcome=Outcome.WAITING)
         chair = self.odometry.at(stamp)
         if chair is None:
             return Fusion(outcome=Outcome.NO_ODOMETRY)
@@ -113,19 +130,28 @@ class DockObserver:
         offered = [in_frame(chair.pose, p.measurement) for p in planar if self._on_the_floor(p)]
         if not offered:
             return Fusion(outcome=Outcome.FLIP if planar else Outcome.INVALID)
-        if not self._states:
+        if self._bank.last is None:
             return Fusion(outcome=self._acquire(chair, offered))
         return self._fuse(chair, offered)
+
+    def _is_ahead(self, stamp: float) -> bool:
+        """Whether the odometry of that time is still to come, if it comes as regularly as before."""
+        newest, period = self.odometry.newest, self.odometry.period
+        if newest is None or not stamp > newest.stamp + self.parameters.max_extrapolation:
+            return False
+        return stamp <= newest.stamp + 2.0 * period
 
     def _on_the_floor(self, planar: Planar) -> bool:
         return planar.tilt <= self.parameters.max_tilt and abs(planar.height) <= self.parameters.max_height
 
     def _acquire(self, chair: Instant, offered: list[Measurement]) -> Outcome:
+        p = self.parameters
         if self._prior is not None:
             offered = [m for m in offered if math.dist(m.pose[:2], self._prior[:2]) <= self._prior_radius]
-        moving = max(abs(chair.v), abs(chair.omega)) > self.parameters.acquire_speed
+        moving = abs(chair.v) > p.acquire_speed or abs(chair.omega) > p.acquire_speed + 2.0 * p.gyro_bias_sd
         if not offered or (self._standing and moving):
-            self._candidates.clear()
+            if self._standing and moving:
+                self._candidates.clear()
             return Outcome.ACQUIRING
         series = self._candidates.offer(chair, offered)
         if series is None:
@@ -133,57 +159,27 @@ class DockObserver:
         self._begin(series)
         return Outcome.ACQUIRED
 
-    def _begin(self, series: Series) -> None:
-        """From the first measurement and what is known of such odometry; the others are fused one by one."""
-        chair, first = series[0]
-        covariance = np.zeros((6, 6))
-        covariance[:3, :3], covariance[3:, 3:] = first.covariance, scale_covariance(self.parameters)
-        self._states.clear()
-        self._states.append(_State(chair, np.concatenate([first.pose, np.zeros(3)]), covariance, first))
-        for chair, measurement in series[1:]:
-            self._update(chair, measurement)
+    def _begin(self, series: list[tuple[Instant, Measurement]]) -> None:
+        self._bank.begin(series)
         self._candidates.clear()
         self._rejected.clear()
 
     def _fuse(self, chair: Instant, offered: list[Measurement]) -> Fusion:
-        later = [state for state in self._states if state.instant.stamp > chair.stamp]
-        if len(later) == len(self._states):
+        if not self._bank.covers(chair.stamp):
             return Fusion(outcome=Outcome.STALE)
-        before = self._states[len(self._states) - len(later) - 1]
-        mean, predicted = self._predict(before, chair)
-        gate = self.parameters.gate
-        innovation, best = likeliest(offered, mean[:3], predicted[:3, :3], self._calibration, gate)
-        if innovation.nis > gate:
-            return self._reject(chair, offered, innovation)
-        self._rejected.clear()
-        for _ in later:
-            self._states.pop()
-        self._update(chair, best)
-        for state in later:
-            self._update(state.instant, state.measurement)
-        while len(self._states) > 1 and self._states[0].instant.stamp < chair.stamp - self.parameters.buffer_duration:
-            self._states.popleft()
-        return Fusion(outcome=Outcome.FUSED, innovation=innovation)
-
-    def _predict(self, last: _State, now: Instant) -> tuple[Array, Array]:
-        F, Q = transition(last.mean[:3], last.instant, now, self.parameters)
-        mean = F @ last.mean
-        mean[2] = wrap_angle(float(mean[2]))
-        return mean, F @ last.covariance @ F.T + Q
-
-    def _update(self, chair: Instant, measurement: Measurement) -> None:
-        mean, P = self._predict(self._states[-1], chair)
-        gain = np.linalg.solve(P[:3, :3] + measurement.covariance, P[:3, :]).T
-        mean += gain @ difference(measurement.pose, mean[:3])
-        mean[2] = wrap_angle(float(mean[2]))
-        keep = np.eye(6)
-        keep[:, :3] -= gain
-        covariance = keep @ P @ keep.T + gain @ measurement.covariance @ gain.T  # Joseph's form stays symmetric
-        self._states.append(_State(chair, mean, covariance, measurement))
-
-    def _reject(self, chair: Instant, offered: list[Measurement], innovation: Innovation) -> Fusion:
+        fusion = self._bank.take(chair, offered)
+        if fusion.outcome is Outcome.FUSED:
+            self._rejected.clear()
+            return fusion
         series = self._rejected.offer(chair, offered)
         if series is None:
-            return Fusion(outcome=Outcome.GATE, innovation=innovation)
+            return fusion
         self._begin(series)
-        return Fusion(outcome=Outcome.REACQUIRED, innovation=innovation)
+        return Fusion(outcome=Outcome.REACQUIRED, innovation=fusion.innovation)
+
+    def _wander(self, dock: Array, before: Instant, now: Instant) -> Array:
+        """Covariance (3, 3) of how far the odometry of a slipping chair may have moved the dock between two images."""
+        p, last, first = self.parameters, max(SLIPS), before if before.stamp <= now.stamp else now
+        F, Q = transition(dock, first, now if first is before else before, p, last)
+        spread = np.diag([0.0, 0.0, 0.0, p.scale_sd**2, p.heading_scale_sd**2, p.heading_drift_sd**2, p.gyro_bias_sd**2])
+        return np.asarray((F @ spread @ F.T + Q)[:3, :3])

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.se2 import arc_step, compose, relative
+from seater_nmpc.observe.twist import TwistCheck
 
 Array = NDArray[np.float64]
 
@@ -32,8 +33,8 @@ class Odometry:
 class Travel:
     """Sums over everything driven since the buffer began: what the drift of the odometry between two times depends on.
 
-    ds and dt are the way (negative backward) and the turn of a short step, q = (1, x, y) with the chair's place in
-    odom, c the unit vector of its direction there.
+    ds and dt are the way (negative backward) and the turn of a short step that takes dtime, q = (1, x, y) with the
+    chair's place in odom, c the unit vector of its direction there.
     """
 
     way: Array  # (3,) of q ds
@@ -41,6 +42,7 @@ class Travel:
     along: Array  # (2, 2) of c c' |ds|
     by_way: Array  # (3, 3) of q q' |ds|
     by_turn: Array  # (3, 3) of q q' |dt|
+    by_time: Array  # (3,) of q dtime [s]
 
     def plus(self, other: Travel, fraction: float = 1.0) -> Travel:
         """This, and `fraction` of the other."""
@@ -50,10 +52,11 @@ class Travel:
             self.along + fraction * other.along,
             self.by_way + fraction * other.by_way,
             self.by_turn + fraction * other.by_turn,
+            self.by_time + fraction * other.by_time,
         )
 
 
-NO_TRAVEL = Travel(np.zeros(3), np.zeros(3), np.zeros((2, 2)), np.zeros((3, 3)), np.zeros((3, 3)))
+NO_TRAVEL = Travel(np.zeros(3), np.zeros(3), np.zeros((2, 2)), np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3))
 
 
 @dataclass(frozen=True)
@@ -77,16 +80,22 @@ class Instant:
         return float(self.travel.by_turn[0, 0])
 
 
+_PERIOD_GAIN = 0.1  # weight of the newest message in the usual period
+
+
 class OdometryBuffer:
     """Keeps `duration` seconds of odometry and interpolates between the messages."""
 
     def __init__(self, duration: float, max_extrapolation: float) -> None:
         self._duration, self._max_extrapolation = duration, max_extrapolation
         self._samples: deque[Instant] = deque()
+        self.clear()
 
     def clear(self) -> None:
         """Forget everything."""
         self._samples.clear()
+        self.period = 0.0  # [s] usual time between two messages, once there are two
+        self._twist = TwistCheck()
 
     def add(self, odometry: Odometry) -> bool:
         """Take a message; false (and not taken) when it is not finite or not newer than the last one."""
@@ -97,8 +106,11 @@ class OdometryBuffer:
             last = self._samples[-1]
             if odometry.stamp <= last.stamp:
                 return False
-            travel = last.travel.plus(_step(last.pose, pose))
-        self._samples.append(Instant(odometry.stamp, pose, odometry.v, odometry.omega, travel))
+            duration = odometry.stamp - last.stamp
+            travel = last.travel.plus(_step(last.pose, pose, duration))
+            self.period = duration if self.period == 0.0 else self.period + _PERIOD_GAIN * (duration - self.period)
+        v, omega = self._twist.speeds(odometry)
+        self._samples.append(Instant(odometry.stamp, pose, v, omega, travel))
         while self._samples[0].stamp < odometry.stamp - self._duration:
             self._samples.popleft()
         return True
@@ -123,22 +135,22 @@ class OdometryBuffer:
         return None
 
 
-def _step(before: Array, after: Array) -> Travel:
+def _step(before: Array, after: Array, duration: float) -> Travel:
     """Of one short step, with the middle of the chord as its place."""
     x, y, turn = relative(before, after)
     way = math.copysign(math.hypot(x, y), x) / float(np.sinc(0.5 * turn / math.pi))  # from the chord to the arc
-    if way == 0.0 and turn == 0.0:
-        return NO_TRAVEL
     q = np.array([1.0, 0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1])])
+    if way == 0.0 and turn == 0.0:
+        return replace(NO_TRAVEL, by_time=duration * q)
     direction = before[2] + 0.5 * turn
     c = np.array([math.cos(direction), math.sin(direction)])
     square = np.outer(q, q)
-    return Travel(way * q, turn * q, abs(way) * np.outer(c, c), abs(way) * square, abs(turn) * square)
+    return Travel(way * q, turn * q, abs(way) * np.outer(c, c), abs(way) * square, abs(turn) * square, duration * q)
 
 
 def _ahead(last: Instant, stamp: float) -> Instant:
     pose = arc_step(last.pose, last.v, last.omega, stamp - last.stamp)
-    return Instant(stamp, pose, last.v, last.omega, last.travel.plus(_step(last.pose, pose)))
+    return Instant(stamp, pose, last.v, last.omega, last.travel.plus(_step(last.pose, pose, stamp - last.stamp)))
 
 
 def _between(before: Instant, after: Instant, stamp: float) -> Instant:

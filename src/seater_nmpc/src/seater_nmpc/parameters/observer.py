@@ -28,6 +28,11 @@ class ObserverParameters:
         0.001, "m", "calibration error, equal in all images, standard deviation", low=0.0, high=0.1
     )
     calibration_heading: float = param(0.002, "rad", "the same for the heading", low=0.0, high=0.2)
+    odometry_scale: float = param(
+        0.0, "", "relative error of odometry distances, as identified: it measures (1 + this) of the way", low=-0.5, high=1.0
+    )
+    odometry_heading_scale: float = param(0.0, "", "the same for turns", low=-0.5, high=1.0)
+    odometry_heading_drift: float = param(0.0, "rad/m", "turn that it measures per metre driven", low=-0.5, high=0.5)
     scale_sd: float = param(
         0.01, "", "constant relative error of odometry distances, standard deviation", low=0.0, high=0.2
     )
@@ -43,6 +48,24 @@ class ObserverParameters:
     )
     turn_noise: float = param(
         0.004, "rad/sqrt(rad)", "random turn after 1 rad turned, standard deviation", low=0.0, high=1.0
+    )
+    slip_distance_noise: float = param(
+        0.06, "m/sqrt(m)", "random error of distances of wheels that slip, after 1 m, standard deviation", low=0.0, high=1.0
+    )
+    slip_heading_noise: float = param(
+        0.12, "rad/sqrt(m)", "random turn of wheels that slip, after 1 m driven", low=0.0, high=1.0
+    )
+    slip_turn_noise: float = param(
+        0.1, "rad/sqrt(rad)", "random turn of wheels that slip, after 1 rad turned", low=0.0, high=1.0
+    )
+    slip_walk: float = param(
+        0.1, "1/sqrt(m)", "change of the relative errors of wheels that slip, after 1 m or 1 rad", low=0.0, high=1.0
+    )
+    slip_walk_turn: float = param(
+        0.05, "rad/m/sqrt(m)", "change of the turn per metre of wheels that slip, after 1 m", low=0.0, high=1.0
+    )
+    gyro_bias_sd: float = param(
+        0.03, "rad/s", "constant turning rate that odometry may report of a chair at rest", low=0.0, high=0.5
     )
     speed_noise: float = param(0.02, "m/s", "error of one message's speed, standard deviation", low=1e-4, high=0.5)
     omega_noise: float = param(0.02, "rad/s", "the same for its turning rate", low=1e-4, high=1.0)

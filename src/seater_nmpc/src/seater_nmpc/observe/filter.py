@@ -1,0 +1,127 @@
+"""One extended Kalman filter of the dock in odom, for one assumption about how much the wheels slip.
+
+The state is the dock and the errors of the odometry (drift.py). The dock stands still; what moves it in odom is the
+drift of the odometry, so nearly everything counts metres and radians, not seconds. What calibration leaves is the same
+in every image: it does not average out, so it is no part of the filter's noise but of the gate and of the covariance
+that is handed out. A measurement passes the gate or it is not used; nothing is smoothed before that.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_common.se2 import wrap_angle
+from seater_nmpc.observe.drift import SIZE, initial_errors, transition
+from seater_nmpc.observe.innovation import Innovation, likeliest
+from seater_nmpc.observe.measurement import Measurement, difference
+from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.parameters import ObserverParameters
+
+Array = NDArray[np.float64]
+Series = Iterable[tuple[Instant, Measurement]]
+
+# Log density of an image that shows the dock where it is not: one in thirty, anywhere within a metre and a radian.
+_LOG_OUTLIER = math.log(0.03)
+
+
+@dataclass(frozen=True)
+class State:
+    """The filter just after a measurement, and the measurement (to be applied again after a late one)."""
+
+    instant: Instant
+    mean: Array  # (7,)
+    covariance: Array  # (7, 7)
+    measurement: Measurement
+
+
+@dataclass(frozen=True)
+class Look:
+    """What one image means to a filter."""
+
+    innovation: Innovation
+    fused: bool
+    log_likelihood: float
+
+
+class DockFilter:
+    """Begin it with a series of measurements; then `take` those of each image."""
+
+    def __init__(self, parameters: ObserverParameters, calibration: Array, slip: float) -> None:
+        """`calibration`: covariance (3, 3) common to all images, added for the gate. `slip`: see drift.py."""
+        self._parameters, self._calibration, self._slip = parameters, calibration, slip
+        self.states: deque[State] = deque()
+
+    def begin(self, series: Series) -> float:
+        """From the first measurement and what is known of such odometry; the others are fused one by one.
+
+        Returns the mean log likelihood of those others (0 where there are none).
+        """
+        entries = iter(series)
+        chair, first = next(entries)
+        covariance = np.zeros((SIZE, SIZE))
+        errors, covariance[3:, 3:] = initial_errors(self._parameters, self._slip)
+        covariance[:3, :3] = first.covariance
+        self.states = deque([State(chair, np.concatenate([first.pose, errors]), covariance, first)])
+        likelihoods = []
+        for chair, measurement in entries:
+            mean, predicted = self.predict(self.states[-1], chair)
+            innovation, _ = likeliest([measurement], mean[:3], predicted[:3, :3], self._calibration, math.inf)
+            likelihoods.append(_log_likelihood(innovation))
+            self._update(chair, measurement)
+        return float(np.mean(likelihoods)) if likelihoods else 0.0
+
+    def adopt(self, other: DockFilter) -> None:
+        """Go on from where the other one is."""
+        self.states = deque(other.states)
+
+    def covers(self, stamp: float) -> bool:
+        """Whether a measurement at `stamp` is not older than everything that is kept."""
+        return bool(self.states) and self.states[0].instant.stamp <= stamp
+
+    def take(self, chair: Instant, offered: list[Measurement]) -> Look:
+        """Fuse the likeliest of the poses that an image leaves open, if it passes the gate. `covers` must hold."""
+        later = [state for state in self.states if state.instant.stamp > chair.stamp]
+        before = self.states[len(self.states) - len(later) - 1]
+        mean, predicted = self.predict(before, chair)
+        gate = self._parameters.gate
+        innovation, best = likeliest(offered, mean[:3], predicted[:3, :3], self._calibration, gate)
+        if innovation.nis > gate:
+            return Look(innovation, False, _LOG_OUTLIER)
+        for _ in later:
+            self.states.pop()
+        self._update(chair, best)
+        for state in later:
+            self._update(state.instant, state.measurement)
+        oldest = chair.stamp - self._parameters.buffer_duration
+        while len(self.states) > 1 and self.states[0].instant.stamp < oldest:
+            self.states.popleft()
+        return Look(innovation, True, max(_LOG_OUTLIER, _log_likelihood(innovation)))
+
+    def predict(self, last: State, now: Instant) -> tuple[Array, Array]:
+        """Mean (7,) and covariance (7, 7) at `now`."""
+        F, Q = transition(last.mean[:3], last.instant, now, self._parameters, self._slip)
+        mean = F @ last.mean
+        mean[2] = wrap_angle(float(mean[2]))
+        return mean, F @ last.covariance @ F.T + Q
+
+    def _update(self, chair: Instant, measurement: Measurement) -> None:
+        mean, P = self.predict(self.states[-1], chair)
+        gain = np.linalg.solve(P[:3, :3] + measurement.covariance, P[:3, :]).T
+        mean += gain @ difference(measurement.pose, mean[:3])
+        mean[2] = wrap_angle(float(mean[2]))
+        keep = np.eye(SIZE)
+        keep[:, :3] -= gain
+        covariance = keep @ P @ keep.T + gain @ measurement.covariance @ gain.T  # Joseph's form stays symmetric
+        self.states.append(State(chair, mean, covariance, measurement))
+
+
+def _log_likelihood(innovation: Innovation) -> float:
+    """Log of the normal density of an innovation."""
+    log_det = float(np.linalg.slogdet(innovation.covariance)[1])
+    return -0.5 * (innovation.nis + log_det + 3.0 * math.log(2.0 * math.pi))
