@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import deque
 from typing import NamedTuple
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.se2 import arc_step
+from seater_nmpc.drive.axis import configured
 from seater_nmpc.parameters import Prediction
 
 Array = NDArray[np.float64]
@@ -26,6 +28,7 @@ class _Sent(NamedTuple):
     at: float  # when it acts [s]
     v: float  # [m/s]
     omega: float  # [rad/s]
+    wanted: tuple[float, float]  # the speeds that it was to bring about: not the same in a deadband
 
 
 class CommandHistory:
@@ -33,6 +36,7 @@ class CommandHistory:
 
     def __init__(self, prediction: Prediction) -> None:
         self.prediction = prediction
+        self.drive = configured(prediction)  # what the motors make of the commands
         self._sent: deque[_Sent] = deque()
         self._count = 0  # of all that were ever sent
 
@@ -40,19 +44,22 @@ class CommandHistory:
         """Forget everything: nothing is known to be on its way."""
         self._sent.clear()
 
-    def sent(self, stamp: float, v: float, omega: float) -> None:
+    def sent(self, stamp: float, v: float, omega: float, wanted: tuple[float, float] | None = None) -> None:
         """A command computed from the measurement at `stamp` [s] was sent. Of two for one stamp the later one acts.
 
-        When time goes backward, what was sent before is forgotten.
+        `wanted`: speeds (v, omega) that it was to bring about; None: the command itself. When time goes backward, what
+        was sent before is forgotten.
         """
         at = self.acts_at(stamp)
         if self._sent and self._sent[-1].at > at:
             self._sent.clear()
         elif self._sent and self._sent[-1].at == at:
-            self._sent.pop()
+            before = self._sent.pop()
+            if wanted is None and (before.v, before.omega) == (v, omega):
+                wanted = before.wanted  # the same command, noted once more
         while self._sent and self._sent[0].at < stamp - _MEMORY:
             self._sent.popleft()
-        self._sent.append(_Sent(self._count, at, v, omega))
+        self._sent.append(_Sent(self._count, at, v, omega, (v, omega) if wanted is None else wanted))
         self._count += 1
 
     def acts_at(self, stamp: float) -> float:
@@ -90,13 +97,29 @@ class CommandView:
         commands = self._history.since(self._first)
         return (commands[-1].v, commands[-1].omega) if commands else None
 
+    @property
+    def last_wanted(self) -> tuple[float, float] | None:
+        """Speeds (v, omega) that the command sent last was to bring about."""
+        commands = self._history.since(self._first)
+        return commands[-1].wanted if commands else None
+
+    def acting(self, start: float, end: float) -> list[tuple[float, float, float]]:
+        """(duration [s], v, omega) of the commands that act between two times; zero before the first one."""
+        commands = self._history.since(self._first)
+        times = [start, *(command.at for command in commands if start < command.at < end), end]
+        pieces = []
+        for begin, stop in itertools.pairwise(times):
+            command = _acting(commands, begin)
+            pieces.append((stop - begin, *((0.0, 0.0) if command is None else (command.v, command.omega))))
+        return pieces
+
     def acceleration(self, period: float) -> tuple[float, float]:
         """(dv/dt, domega/dt) between the last two commands, `period` [s] apart; zero where there are not two."""
         commands = self._history.since(self._first)
         if len(commands) < 2:
             return 0.0, 0.0
         before, last = commands[-2:]
-        return (last.v - before.v) / period, (last.omega - before.omega) / period
+        return (last.wanted[0] - before.wanted[0]) / period, (last.wanted[1] - before.wanted[1]) / period
 
     def roll(self, stamp: float, pose: ArrayLike, v: float, omega: float) -> tuple[Array, float, float]:
         """Pose, v and omega at the time when the next command acts, from a measurement at `stamp`.
@@ -111,25 +134,27 @@ class CommandView:
         return self._advance(start, end, np.zeros(3), v, omega)[1:]
 
     def _advance(self, time: float, end: float, pose: Array, v: float, omega: float) -> tuple[Array, float, float]:
-        lag, commands = self._history.prediction.motor_lag, self._history.since(self._first)
+        drive, commands = self._history.drive, self._history.since(self._first)
         while time < end - _SAME_TIME:
             changes = [command.at for command in commands if command.at > time + _SAME_TIME]
             step = min([end - time, _SUBSTEP, *(at - time for at in changes)])
             acting = _acting(commands, time)
-            v, mean_v = _follow(v, None if acting is None else acting.v, step, lag)
-            omega, mean_omega = _follow(omega, None if acting is None else acting.omega, step, lag)
+            v, mean_v = _follow(v, None if acting is None else drive.v.effective(acting.v), step, drive.lag_v)
+            asked = None if acting is None else drive.omega.effective(acting.omega)
+            omega, mean_omega = _follow(omega, asked, step, drive.lag_omega)
             pose = arc_step(pose, mean_v, mean_omega, step)
             time += step
         return pose, v, omega
 
 
-def coasting_pose(pose: ArrayLike, v: float, omega: float, lag: float) -> Array:
-    """Where the chair would come to rest if zero were commanded now and the motors lag by the time constant `lag`.
+def coasting_pose(pose: ArrayLike, v: float, omega: float, lag: float, lag_omega: float | None = None) -> Array:
+    """Where the chair would come to rest if zero were commanded now and the motors lag by the time constant `lag`
+    (turning: by `lag_omega`, None: the same).
 
     Along a straight line p + lag * v moves exactly with the commanded speed, since d/dt (p + lag * v) = v + (c - v); so
     planning from this pose with the commands as speeds takes the lag into account at no cost to the solver.
     """
-    return arc_step(pose, v, omega, lag)
+    return arc_step(pose, v * lag, omega * (lag if lag_omega is None else lag_omega), 1.0)
 
 
 def _acting(commands: list[_Sent], time: float) -> _Sent | None:

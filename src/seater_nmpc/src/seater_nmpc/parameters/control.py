@@ -82,11 +82,17 @@ class RtiParameters:
 
 @dataclass(frozen=True)
 class Prediction:
-    """What happens between a measurement and the time when the command computed from it acts."""
+    """What the motors make of a command, and when. The defaults are those of a typical powered wheelchair."""
 
-    command_delay: float = param(0.0, "s", "from sending a command to its effect", low=0.0, high=1.0)
+    command_delay: float = param(0.15, "s", "from sending a command to its effect", low=0.0, high=1.0)
     solve_latency: float = param(0.0, "s", "assumed time from odometry to the command being sent", low=0.0, high=0.5)
-    motor_lag: float = param(0.0, "s", "first-order time constant of the motors", low=0.0, high=1.0)
+    motor_lag: float = param(0.2, "s", "first-order time constant of the motors", low=0.0, high=1.0)
+    motor_lag_turning: float = param(0.0, "s", "the same for turning (0: as motor_lag)", low=0.0, high=1.0)
+    gain_v: float = param(1.0, "", "steady speed per commanded speed", low=0.3, high=3.0)
+    gain_omega: float = param(1.0, "", "the same for turning", low=0.3, high=3.0)
+    deadband_v: float = param(0.0, "m/s", "commands up to this do not move the chair", low=0.0, high=0.2)
+    deadband_omega: float = param(0.0, "rad/s", "the same for turning", low=0.0, high=0.4)
+    adapt: bool = param(True, "", "learn the deadbands from how the chair responds")
 
 
 @dataclass(frozen=True)
