@@ -99,17 +99,15 @@ def smallest_gap(poses: Array, chair: Chair, dock: Dock) -> float:
 
 
 def _separation(corners: Array, wall: Array, c: Array, s: Array) -> Array:
-    """Largest gap of the projections on the axes of both rectangles, (n,); the wall is upright in the dock's frame."""
+    """Largest gap of the projections on the axes of both rectangles, (n,); the wall is upright in the dock's frame.
+
+    Element by element: matrix products of long arrays differ in the last bit from call to call.
+    """
     gaps = []
-    for axis in (
-        np.stack([c, s], 1),
-        np.stack([-s, c], 1),
-        np.tile([1.0, 0.0], (len(c), 1)),
-        np.tile([0.0, 1.0], (len(c), 1)),
-    ):
-        a = np.einsum("nij,nj->ni", corners, axis)
-        b = axis @ wall.T
-        gaps.append(np.maximum(b.min(axis=1) - a.max(axis=1), a.min(axis=1) - b.max(axis=1)))
+    for x, y in ((c, s), (-s, c), (np.ones_like(c), np.zeros_like(c)), (np.zeros_like(c), np.ones_like(c))):
+        own = corners[:, :, 0] * x[:, None] + corners[:, :, 1] * y[:, None]
+        its = wall[None, :, 0] * x[:, None] + wall[None, :, 1] * y[:, None]
+        gaps.append(np.maximum(its.min(axis=1) - own.max(axis=1), own.min(axis=1) - its.max(axis=1)))
     return np.asarray(np.max(gaps, axis=0))
 
 
