@@ -1,0 +1,119 @@
+"""Many dockings on the independent chair: jobs, summaries, the table and the bars."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from seater_eval.judge.cases import Row
+from seater_eval.judge.run import Job, run_job
+from seater_eval.report.bars import AT_LEAST, Bar
+from seater_eval.report.statistics import spread
+from seater_eval.report.tables import text_table
+from seater_eval.run.long_run import run_long
+from seater_eval.run.parallel import job_seed
+
+_SPREADS = (
+    "position_error_m",
+    "heading_error_deg",
+    "smallest_gap_m",
+    "reversals",
+    "turn_changes",
+    "time_s",
+    "peak_acceleration_m_s2",
+    "rms_acceleration_m_s2",
+    "peak_jerk_m_s3",
+    "rms_jerk_m_s3",
+    "peak_turning_acceleration_rad_s2",
+    "peak_turning_jerk_rad_s3",
+    "estimate_error_m",
+    "estimate_error_deg",
+    "nees_mean",
+)
+
+
+def run_rows(
+    config: Path,
+    rows: Sequence[Row],
+    runs: int,
+    *,
+    seed: int = 1,
+    driver: str = "sequence",
+    told: str = "nothing",
+    workers: int | None = None,
+    partial: Path | None = None,
+) -> dict[str, Any]:
+    """`runs` dockings of each row; run i has the same seed in every row. `partial`: see run_long."""
+    seeds = [job_seed(seed, index) for index in range(runs)]
+    jobs = [Job(str(config), row, one, driver, told) for row in rows for one in seeds]
+    files = config.rglob("*.yaml")
+    results = run_long(run_job, jobs, label="independent_chair", files=files, partial=partial, workers=workers)
+    table = [
+        {
+            "name": row.name,
+            "starts": row.starts,
+            "effects": dataclasses.asdict(row.effects),
+            "summary": summarize(results[index * runs : (index + 1) * runs]),
+            "runs": results[index * runs : (index + 1) * runs],
+        }
+        for index, row in enumerate(rows)
+    ]
+    return {"seed": seed, "driver": driver, "told": told, "rows": table}
+
+
+def summarize(runs: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Counts over runs, and the spread of what was measured (headings without their sign)."""
+    codes = Counter(run["code"] for run in runs if run["code"])
+    return {
+        "runs": len(runs),
+        "docked": sum(run["docked"] for run in runs),
+        "touched": sum(run["touched"] for run in runs),
+        "falsely_successful": sum(run["code"] in ("SUCCESS", "ALREADY_DOCKED") and not run["docked"] for run in runs),
+        "moving_at_the_end": sum(not run["stands"] for run in runs),
+        "codes": dict(codes.most_common()),
+        **{name: spread(None if run[name] is None else abs(run[name]) for run in runs) for name in _SPREADS},
+    }
+
+
+def describe(data: dict[str, Any]) -> str:
+    """The table for a person."""
+    head = ["row", "docked", "touched", "error [mm]", "[deg]", "reversals", "turns", "time [s]", "jerk", "ended"]
+    rows = []
+    for row in data["rows"]:
+        s = row["summary"]
+        rows.append(
+            [
+                row["name"],
+                f"{s['docked']} of {s['runs']}",
+                str(s["touched"]),
+                _pair(s["position_error_m"], 1e3, 1),
+                _pair(s["heading_error_deg"], 1.0, 2),
+                _pair(s["reversals"], 1.0, 0),
+                _pair(s["turn_changes"], 1.0, 0),
+                _pair(s["time_s"], 1.0, 1),
+                _pair(s["peak_jerk_m_s3"], 1.0, 1),
+                ", ".join(f"{code} {count}" for code, count in s["codes"].items()),
+            ]
+        )
+    told = f"driver {data['driver']}, told {data['told']}, seed {data['seed']}; median / 95 % of all runs"
+    note = "peak jerk [m/s^3] of the true speed low-passed at 5 Hz"
+    return f"{told}\n{text_table(head, rows, 'lrrrrrrrrl')}\n{note}"
+
+
+def _pair(values: dict[str, float | None], factor: float, digits: int) -> str:
+    median, p95 = values["median"], values["p95"]
+    return "-" if median is None or p95 is None else f"{factor * median:.{digits}f} / {factor * p95:.{digits}f}"
+
+
+def bars(data: dict[str, Any]) -> list[Bar]:
+    """Everybody docks, nobody touches, and no success is false."""
+    return [bar for row in data["rows"] for bar in _row_bars(row["name"], row["summary"])]
+
+
+def _row_bars(name: str, s: dict[str, Any]) -> Iterable[Bar]:
+    yield Bar(f"{name}: docked", s["docked"], s["runs"], sense=AT_LEAST)
+    yield Bar(f"{name}: touched a wall", s["touched"], 0)
+    yield Bar(f"{name}: success said, not docked", s["falsely_successful"], 0)

@@ -1,0 +1,186 @@
+"""One docking on the independent chair."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_common.se2 import compose, inverse
+from seater_eval.judge.cases import Row, draw_start
+from seater_eval.judge.drivers import ClassDriver, Driver, SequenceDriver
+from seater_eval.judge.parts import load_files
+from seater_eval.judge.plant.built import draw_built
+from seater_eval.judge.plant.camera import DockCamera
+from seater_eval.judge.plant.chair import STEP, IndependentChair
+from seater_eval.judge.plant.encoders import WheelOdometry
+from seater_eval.judge.told import told_parameters
+from seater_eval.judge.verdict import Motion, judge, smallest_gap
+from seater_nmpc.parameters import ControlParameters, NmpcParameters
+
+Array = NDArray[np.float64]
+
+DRIVERS = ("sequence", "class")
+_BEGIN = 10.0  # [s] clock at the start
+_LONGEST = {"sequence": 170.0, "class": 60.0}  # [s]
+_AFTER = 1.5  # [s] that a run goes on after its result: whatever moves then counts
+_IDLE = 5.0  # [s] without motion after which a run of the class is over
+_CRASHED = -0.05  # [m] so deep in a wall, a run is over
+_PRIOR = (0.3, math.radians(10.0))  # [m, rad] the rough pose is off by up to this
+_NEES_95 = 7.81  # 95 % of chi-square with 3 degrees of freedom
+_ORIGIN = (3.0, -1.5, 0.6)  # base_link in odom at the start
+
+
+@dataclass(frozen=True)
+class Job:
+    """All that a run depends on."""
+
+    config: str
+    row: Row
+    seed: int
+    driver: str = "sequence"  # of DRIVERS
+    told: str = "nothing"
+
+
+@dataclass(frozen=True)
+class Log:
+    """What happened in a run, for the figure: the motion, commands (time, v, omega), estimates (see Driver)."""
+
+    motion: Motion
+    commands: Array
+    estimates: Array
+
+
+def run_job(job: Job) -> dict[str, Any]:
+    """The verdict on one run."""
+    return run(job)[0]
+
+
+def run(job: Job) -> tuple[dict[str, Any], Log]:
+    """The verdict, and what happened. The same job gives the same bits."""
+    begun = time.perf_counter()
+    loop = _Loop(job)
+    loop.drive()
+    log, driver = loop.log(), loop.driver
+    result = driver.result
+    succeeded = None if job.driver == "class" else result is not None and result.success
+    files = load_files(job.config)
+    code = "TIMEOUT" if result is None else result.code.name
+    values = {
+        "row": job.row.name,
+        "seed": job.seed,
+        "start": [round(value, 4) for value in loop.start],
+        **judge(log.motion, files.chair, files.dock, succeeded),
+        "code": "" if job.driver == "class" else code,
+        "text": "" if result is None else result.text,
+        "retries": 0 if result is None else result.retries,
+        "built": dataclasses.asdict(loop.built) | {"patches": len(loop.built.patches)},
+        **_estimate_values(log.estimates),
+        "outcomes": loop.outcomes(),
+        "wall_s": round(time.perf_counter() - begun, 2),
+    }
+    return values, log
+
+
+class _Loop:
+    """Chair, odometry, camera and driver, step by step."""
+
+    def __init__(self, job: Job) -> None:
+        self._job, effects = job, job.row.effects
+        files = load_files(job.config)
+        self._files = files
+        streams = [np.random.default_rng([job.seed, stream]) for stream in range(6)]
+        camera = DockCamera(files.chair, files.dock, effects.pictures, streams[0])
+        self._camera = camera
+        self.start = draw_start(job.row.starts, files.chair, files.dock, camera, streams[1])
+        self.built = draw_built(effects, streams[2])
+        self._chair = IndependentChair(effects, self.built, self.start, streams[3])
+        self._odometry = WheelOdometry(effects.encoders, _BEGIN, _ORIGIN, streams[4])
+        self.driver = self._make_driver(streams[5])
+        self._image = _BEGIN + streams[5].uniform(0.0, 1.0 / effects.pictures.rate)
+        self._images: list[tuple[float, Any]] = []
+        self._rows: list[list[float]] = []
+        self._commands: list[list[float]] = []
+
+    def _make_driver(self, rng: np.random.Generator) -> Driver:
+        job, base = self._job, self._files.parameters
+        if job.driver == "class":  # its defaults, not those of the files
+            base = NmpcParameters(control=ControlParameters())
+        parameters = told_parameters(base, job.told, job.row.effects, self.built)
+        if job.driver == "class":
+            return ClassDriver(self._files, job.config, parameters)
+        prior = None
+        way, direction, turn = rng.uniform(0.0, _PRIOR[0]), rng.uniform(-math.pi, math.pi), rng.uniform(-1.0, 1.0)
+        if job.row.starts != "front":
+            prior = compose(_ORIGIN, inverse(self.start))
+            prior = prior + [way * math.cos(direction), way * math.sin(direction), turn * _PRIOR[1]]
+        return SequenceDriver(self._files, job.config, parameters, prior)
+
+    def drive(self) -> None:
+        """Until the driver has ended, the chair has crashed, or time is over."""
+        steps, ended, moved = 0, math.inf, _BEGIN
+        while True:
+            now = _BEGIN + steps * STEP
+            self._exchange(now)
+            chair = self._chair
+            self._rows.append([now, chair.x, chair.y, chair.heading, chair.v, chair.omega])
+            if self.driver.result is not None and ended == math.inf:
+                ended = now
+            if chair.v != 0.0 or chair.omega != 0.0:
+                moved = now
+            idle = self._job.driver == "class" and now - moved > _IDLE
+            if now - _BEGIN >= _LONGEST[self._job.driver] or now - ended >= _AFTER or idle:
+                return
+            if steps % 20 == 0 and self._gap() < _CRASHED:
+                return
+            chair.step(now)
+            steps += 1
+
+    def _gap(self) -> float:
+        pose = np.array([[self._chair.x, self._chair.y, self._chair.heading]])
+        return smallest_gap(pose, self._files.chair, self._files.dock)
+
+    def _exchange(self, now: float) -> None:
+        """Images, odometry and commands of this instant."""
+        chair, pictures = self._chair, self._job.row.effects.pictures
+        if self._job.driver == "sequence" and now >= self._image:
+            self._image += 1.0 / pictures.rate
+            self._images.append((now, self._camera.look((chair.x, chair.y, chair.heading))))
+        while self._images and self._images[0][0] + pictures.latency <= now + 1e-9:
+            self.driver.image(*self._images.pop(0))
+        self._odometry.look(now, chair.rolled)
+        asked = [self.driver.odometry(message, chair) for message in self._odometry.messages(now)]
+        for command in [*asked, self.driver.time(now, chair)]:
+            if command is not None:
+                self._commands.append([now, *command])
+                chair.command(now, *command)
+
+    def log(self) -> Log:
+        """Of what was driven."""
+        rows = np.array(self._rows)
+        rows[:, 0] -= _BEGIN
+        commands = np.array(self._commands).reshape(-1, 3) - [_BEGIN, 0.0, 0.0]
+        estimates = np.array(self.driver.estimates).reshape(-1, 6) - [_BEGIN, 0.0, 0.0, 0.0, 0.0, 0.0]
+        return Log(Motion(rows[:, 0], rows[:, 1:4], rows[:, 4:6]), commands, estimates)
+
+    def outcomes(self) -> dict[str, int]:
+        """What became of the images, by the observer's words."""
+        if not isinstance(self.driver, SequenceDriver):
+            return {}
+        return {outcome.name: count for outcome, count in sorted(self.driver.observer.counts.items())}
+
+
+def _estimate_values(estimates: Array) -> dict[str, float | None]:
+    if not len(estimates):
+        return dict.fromkeys(("estimate_error_m", "estimate_error_deg", "nees_mean", "nees_above_95"))
+    return {
+        "estimate_error_m": float(np.hypot(estimates[:, 1], estimates[:, 2]).max()),
+        "estimate_error_deg": math.degrees(float(np.abs(estimates[:, 3]).max())),
+        "nees_mean": float(estimates[:, 4].mean()),
+        "nees_above_95": float((estimates[:, 4] > _NEES_95).mean()),
+    }
