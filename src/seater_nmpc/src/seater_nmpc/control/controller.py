@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import compose, relative
 from seater_common.separation import convex_outline
+from seater_nmpc.control.actuation import Actuation
 from seater_nmpc.control.braking import BrakingCheck, braked, curvature_at
 from seater_nmpc.control.command import Command, Counters, Status
 from seater_nmpc.control.limits import clamp, in_bay, within_reach
@@ -25,6 +27,9 @@ Array = NDArray[np.float64]
 Target = str | Sequence[float] | Array
 
 _FARTHEST = 1000.0  # [m] distance of the target at which no solver is asked: from 1e300 m fatrop does not come back
+_LONGEST_PERIOD = 0.5  # [s] between two cycles; longer is a pause
+_CYCLES = 3  # in a row that are longer than configured before the controller reckons with it
+_NOISE_OF_STAMPS = 1.1  # times the configured period: not longer
 _TOO_NEAR = "an obstacle is within the stopping distance"
 
 
@@ -68,6 +73,9 @@ class DockingController:
         self._commands, self._begins = self.history.view(), True
         prediction = self.parameters.prediction
         period = self.parameters.control_period
+        self._actuation = Actuation(chair, self.history, adapt=prediction.adapt)
+        self._period, self._last_stamp = period, -math.inf  # [s] measured between cycles; at least the control period
+        self._elapsed: deque[float] = deque([0.0], maxlen=_CYCLES)
         self._braking = BrakingCheck(chair, self.parameters.stop_margin, period, prediction.motor_lag)
         self.counters = Counters()
         self._clock = 0.0
@@ -77,7 +85,7 @@ class DockingController:
 
     def reset(self) -> None:
         """Forget the plan, as at a goal's beginning: the next begins with the measured speeds, whatever was sent."""
-        self._begins = True
+        self._begins, self._last_stamp = True, -math.inf
         self._replanner.reset()
         self.counters.consecutive_failures = 0
 
@@ -134,18 +142,21 @@ class DockingController:
         self.counters.cycles += 1
         if self._begins:
             self._commands.restart()
+            self._actuation.restart()
             self._begins = False
         if not all(math.isfinite(value) for value in numbers):
             self.counters.refused_inputs += 1
             return self._fall_back(self._clock, None, "input not finite")
         self._clock = stamp
+        self._measure_period(stamp)
+        self._actuation.measured(stamp, *velocity)
         T_dock_target = self._target(target)
         T_common_target = compose(dock_pose, T_dock_target)
         state = self._state(stamp, vehicle_pose, velocity, dock_pose, T_common_target)
         if not (np.all(np.isfinite(state)) and np.max(np.abs(state[:2])) <= _FARTHEST):
             self.counters.refused_inputs += 1
             return self._fall_back(stamp, None, f"target is farther than {_FARTHEST:.0f} m")
-        acceleration = self._commands.acceleration(self.parameters.control_period)
+        acceleration = self._commands.acceleration(self._period)
         solution = self._replanner.solve(state, stamp, T_dock_target, self._obstacles, acceleration)
         slow = self._areas is not None and in_bay(self._chair, self._dock.bay, self._acts_at)
         if not self._replanner.usable(solution):
@@ -164,9 +175,30 @@ class DockingController:
         pose, v, omega = self._commands.roll(stamp, vehicle_pose, *velocity)
         before = self._speeds_before(v, omega)
         self._acts_at = relative(dock_pose, pose)
-        ahead = coasting_pose(pose, v, omega, self.parameters.prediction.motor_lag)
-        ahead = coasting_pose(ahead, *before, -self._replanner.lead)
+        ahead = coasting_pose(pose, v, omega, self.history.drive.lag_v, self.history.drive.lag_omega)
+        late = 0.5 * (self._period - self.parameters.control_period)  # of the middle of a longer period
+        ahead = coasting_pose(ahead, *before, -self._replanner.lead - late)
         return np.concatenate([relative(T_common_target, ahead), before])
+
+    def measured(self, stamp: float, v: float, omega: float) -> None:
+        """Speeds [m/s, rad/s] that were measured at `stamp` [s], to learn from; those given to `command` count, too."""
+        self._actuation.measured(stamp, v, omega)
+
+    def rest_pose(self, stamp: float, vehicle_pose: ArrayLike, velocity: tuple[float, float]) -> Array:
+        """Where the chair comes to rest when zero is commanded now: (x, y, heading), in the frame of `vehicle_pose`.
+
+        Arguments: as of `command`.
+        """
+        pose, v, omega = self._commands.roll(stamp, vehicle_pose, *velocity)
+        return coasting_pose(pose, v, omega, self.history.drive.lag_v, self.history.drive.lag_omega)
+
+    def _measure_period(self, stamp: float) -> None:
+        """Between two cycles, at least the configured one; longer only when several in a row were."""
+        elapsed, self._last_stamp = stamp - self._last_stamp, stamp
+        self._elapsed.append(elapsed if 0.0 < elapsed <= _LONGEST_PERIOD else 0.0)
+        usual = min(self._elapsed)
+        configured = self.parameters.control_period
+        self._period = usual if usual > _NOISE_OF_STAMPS * configured else configured
 
     def _target(self, target: Target) -> Array:
         if isinstance(target, str):
@@ -179,21 +211,21 @@ class DockingController:
     def _speeds_before(self, v: float, omega: float) -> tuple[float, float]:
         """Speeds to begin with: the last command, unless the chair, measured at (v, omega), does not follow it."""
         prediction = self.parameters.prediction
-        window = prediction.motor_lag + prediction.command_delay + 2.0 * self.parameters.control_period
-        return within_reach(self._chair, self._commands.last, (v, omega), window)
+        window = prediction.motor_lag + prediction.command_delay + 2.0 * self._period
+        return within_reach(self._chair, self._commands.last_wanted, (v, omega), window)
 
     def _follow(
         self, solution: Solution, stamp: float, target: Array, before: tuple[float, float], slow: bool
     ) -> Command:
         plan = self._replanner.plan
         assert plan is not None  # a usable solution leaves one
-        v, omega = plan.speeds_at(0.0 if plan.speeds_held else self.parameters.control_period)
-        v, omega = clamp(self._chair, v, omega, before, self.parameters.control_period, slow)
+        v, omega = plan.speeds_at(0.0 if plan.speeds_held else self._period)
+        wanted = clamp(self._chair, v, omega, before, self._period, slow)
         self.counters.consecutive_failures = 0
-        if not self._stops_clear(v, omega):
+        if not self._stops_clear(*wanted):
             self.counters.obstacle_stops += 1
             return self._brake(stamp, solution, _TOO_NEAR, slow)
-        self.history.sent(stamp, v, omega)
+        v, omega = self._actuation.send(stamp, wanted, before, self._period, slow)
         status = Status.SOLVED
         if solution.status is SolveStatus.LIMIT:
             self.counters.time_limits += 1
@@ -215,30 +247,31 @@ class DockingController:
     def _fall_back(self, stamp: float, solution: Solution | None, text: str, slow: bool = False) -> Command:
         """The last plan followed further, else braking."""
         self.counters.consecutive_failures += 1
-        plan, age, period = self._replanner.plan, stamp - self._replanner.stamp, self.parameters.control_period
+        plan, age, period = self._replanner.plan, stamp - self._replanner.stamp, self._period
         if solution is not None and plan is not None and age <= self.parameters.fallback.max_plan_age + 1e-9:
             v, omega = plan.speeds_at(age + period)
-            v, omega = clamp(self._chair, v, omega, self._commands.last or (0.0, 0.0), period, slow)
+            v, omega = clamp(self._chair, v, omega, self._commands.last_wanted or (0.0, 0.0), period, slow)
             if self._stops_clear(v, omega):
                 self.counters.shifted += 1
-                return self._sent(stamp, v, omega, Status.FALLBACK_SHIFTED, solution, text)
+                v, omega = self._actuation.send(stamp, (v, omega), (0.0, 0.0), period, slow)
+                return self._fallback_command(v, omega, Status.FALLBACK_SHIFTED, solution, text)
         self.counters.braked += 1
         return self._brake(stamp, solution, text, slow)
 
     def _brake(self, stamp: float, solution: Solution | None, text: str, slow: bool) -> Command:
         """Slower along the last plan's path, or with the curvature kept, which ends in standing."""
-        before, period = self._commands.last or (0.0, 0.0), self.parameters.control_period
+        before, period = self._commands.last or (0.0, 0.0), self._period
         path = self._replanner.path
         curvature = None if path is None else curvature_at(path, self._acts_at)
         v, omega = braked(before, self._chair.limits.a_max * period, curvature)
         v, omega = clamp(self._chair, v, omega, before, period, slow)
-        return self._sent(stamp, v, omega, Status.FALLBACK_BRAKE, solution, text)
-
-    def _sent(
-        self, stamp: float, v: float, omega: float, status: Status, solution: Solution | None, text: str
-    ) -> Command:
-        """A command that does not come from a new plan; remembered as sent."""
         self.history.sent(stamp, v, omega)
+        return self._fallback_command(v, omega, Status.FALLBACK_BRAKE, solution, text)
+
+    def _fallback_command(
+        self, v: float, omega: float, status: Status, solution: Solution | None, text: str
+    ) -> Command:
+        """A command that does not come from a new plan."""
         command = Command(v=v, omega=omega, status=status, solver=self._replanner.name, text=text)
         if solution is None:
             return command

@@ -1,14 +1,15 @@
-"""What deadband an axis has, learned from how it responds to small commands.
+"""How an axis responds to commands, learned while driving: its deadband, and its delay and lag.
 
-A set of hypotheses, each a deadband of some width and kind. Each predicts the speed from the commands that were sent;
-what is measured is compared with that in short windows, by a heavy-tailed (Cauchy) measure since castors and bumps
-push the chair, too. Large commands say nothing: all predict the same. A hypothesis has to be ahead of the configured
-one, or of the one believed in, by a margin before it is believed.
+A set of hypotheses: each a deadband of some width and kind, with some delay and lag. Each predicts the speed from the
+commands that were sent; what is measured is compared with that in short windows, by a heavy-tailed (Cauchy) measure
+since castors and bumps push the chair, too. Large steady commands say nothing: all predict the same. What is believed
+changes only when another hypothesis is ahead by a margin.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,77 +21,107 @@ Array = NDArray[np.float64]
 _WINDOW = 0.1  # [s] over which speeds are averaged before they are compared
 _MARGIN = 4.0  # in log likelihood, by which another hypothesis has to be ahead
 _MOST = 25.0  # so far at most can one fall behind: what was true can change
-_PRIOR, _PRIOR_OFFSET = 1.0, 1.0  # penalties of hypotheses that are not the configured one, and of offsets
+_PRIOR, _PRIOR_OFFSET = 1.0, 1.0  # penalties of deadbands that are not the configured one, and of offsets
+_PRIOR_TIMING, _TYPICAL_ERROR = 1.0, 0.1  # penalty of times that differ from the configured ones by so much [s]
+_DELAYS = (-0.15, -0.1, -0.05, 0.0, 0.05, 0.1)  # [s] added to the configured delay
+_LAGS = (0.1, 0.4, 0.7, 1.0, 1.4, 1.8)  # times the configured lag
 _GAP = 0.5  # [s] between two measurements after which the prediction begins anew
+_FASTEST = 10.0  # [m/s or rad/s] beyond that it is no measurement of a chair
 
-Segments = Iterable[tuple[float, float]]  # (duration [s], command that acts)
+
+@dataclass(frozen=True)
+class Expected:
+    """What is thought possible of an axis beside what is configured."""
+
+    widths: tuple[float, ...]  # deadbands [m/s or rad/s]
+    typical: float  # the one that comes first among equals
+    noise: float  # standard deviation of a speed averaged over a window
 
 
-class DeadbandEstimator:
-    """Of one axis. Feed it what acted and what was measured; `drive` is what is believed."""
+class ResponseEstimator:
+    """Of one axis. Feed it what was commanded and what was measured; `drive` is the deadband that is believed in."""
 
-    def __init__(self, configured: AxisDrive, lag: float, widths: Iterable[float], typical: float, sd: float) -> None:
-        """`lag` [s] of the motors; `widths`: deadbands that are thought possible beside the configured one, the
-        `typical` one first among equals; `sd`: of the speed averaged over a window [m/s or rad/s]."""
-        self._lag, self._sd = lag, sd
-        different = [width for width in widths if abs(width - configured.deadband) > 1e-3 * typical]
-        self._hypotheses = [configured]
-        for offset in (False, True):
-            self._hypotheses += [AxisDrive(configured.gain, width, offset) for width in different if width > 0.0]
-        if configured.deadband > 0.0:
-            self._hypotheses.append(AxisDrive(configured.gain, 0.0, False))
-        self._width = np.array([each.deadband for each in self._hypotheses])
-        self._offset = np.array([each.offset for each in self._hypotheses])
-        self._prior = np.where(self._offset, _PRIOR_OFFSET, 0.0) + _PRIOR
-        self._prior += 0.3 * np.abs(np.log(np.maximum(self._width, 0.1 * typical) / typical))
-        self._prior[0] = 0.0
-        self._cost = self._prior.copy()
-        self._believed = 0
+    def __init__(self, configured: AxisDrive, delay: float, lag: float, expected: Expected) -> None:
+        """`delay`, `lag` [s]: as configured."""
+        self._drives = _deadbands(configured, expected)
+        self.delays = sorted({max(0.0, delay + change) for change in _DELAYS})  # [s] that are thought possible
+        self.lags = [factor * lag for factor in _LAGS] if lag > 0.0 else [0.0]
+        self._lag = np.array(self.lags)[None, :, None]
+        self._width = np.array([each.deadband for each in self._drives])
+        self._offset = np.array([each.offset for each in self._drives])
+        self._noise, self._gain = expected.noise, configured.gain
+        self._prior = np.zeros((len(self.delays), len(self.lags), len(self._drives)))  # (delay, lag, deadband)
+        self._prior += _PRIOR_TIMING * np.abs(np.array(self.delays) - delay)[:, None, None] / _TYPICAL_ERROR
+        self._prior += _PRIOR_TIMING * np.abs(np.array(self.lags) - lag)[None, :, None] / _TYPICAL_ERROR
+        self._prior += _prior(self._drives, expected)
+        self._cost, self._drive = self._prior.copy(), 0
         self.restart()
 
     def restart(self) -> None:
         """The chair stands, nothing acts; what was learned stays."""
-        self._speed = np.zeros(len(self._hypotheses))
-        self._measured, self._predicted, self._time = 0.0, np.zeros(len(self._hypotheses)), 0.0
+        self._speed = np.zeros_like(self._cost)
+        self._measured, self._predicted, self._time = 0.0, np.zeros_like(self._cost), 0.0
 
     @property
     def drive(self) -> AxisDrive:
-        """What is believed."""
-        return self._hypotheses[self._believed]
+        """The deadband that is believed in."""
+        return self._drives[self._drive]
 
-    def add(self, segments: Segments, measured: float) -> None:
-        """Between the last measurement and this one the `segments` of commands acted; then `measured` was the speed."""
-        duration = 0.0
-        for length, command in segments:
-            self._predicted += length * self._advance(length, command)
-            duration += length
-        if duration > _GAP:
+    def delay_costs(self) -> Array:
+        """How badly each of `delays` explains what was measured, as a negative log likelihood."""
+        return np.asarray(self._cost.min(axis=(1, 2)))
+
+    def lag_costs(self, delay: int) -> Array:
+        """The same of each of `lags`, given a delay (an index)."""
+        return np.asarray(self._cost[delay].min(axis=1))
+
+    def add(self, start: float, end: float, commanded: Callable[[float, float], float], measured: float) -> None:
+        """`measured` was the speed between two times [s]; `commanded(start, end)`: mean of what was sent between two
+        times, whenever it acts."""
+        duration = end - start
+        if duration > _GAP or abs(measured) > _FASTEST:
             self.restart()
-            self._speed[:] = measured
             return
+        commands = np.array([commanded(start - delay, end - delay) for delay in self.delays])[:, None, None]
+        self._predicted += duration * self._advance(duration, commands)
         self._measured += duration * measured
         self._time += duration
         if self._time >= _WINDOW:
             self._compare()
 
-    def _advance(self, length: float, command: float) -> Array:
-        """Mean speeds over a segment; the speeds are then those at its end."""
-        beyond = abs(command) - self._width
-        size = np.where(beyond > 0.0, np.where(self._offset, beyond, abs(command)), 0.0)
-        target = np.sign(command) * self._hypotheses[0].gain * size
-        if self._lag <= 0.0:
-            self._speed = target
-            return target
-        decay = np.exp(-length / self._lag)
-        mean = target + (self._speed - target) * (1.0 - decay) * self._lag / length
-        self._speed = target + (self._speed - target) * decay
-        return mean
+    def _advance(self, duration: float, commands: Array) -> Array:
+        """Mean speeds over a time in which these acted; the speeds are then those at its end."""
+        size = np.abs(commands)
+        beyond = size - self._width
+        target = np.sign(commands) * self._gain * np.where(beyond > 0.0, np.where(self._offset, beyond, size), 0.0)
+        decay = np.exp(-duration / np.maximum(self._lag, 1e-6))
+        away = self._speed - target
+        self._speed = target + away * decay
+        return np.asarray(target + away * (1.0 - decay) * self._lag / duration)
 
     def _compare(self) -> None:
-        residual = (self._measured - self._predicted) / self._time / self._sd
-        self._cost += np.log1p(residual**2)
+        residual = (self._measured - self._predicted) / (self._time * self._noise)
+        self._cost += np.log1p(residual * residual)
         self._cost = np.minimum(self._cost - self._cost.min(), _MOST + self._prior)
-        self._measured, self._predicted, self._time = 0.0, np.zeros(len(self._hypotheses)), 0.0
-        best = int(np.argmin(self._cost))
-        if self._cost[best] < self._cost[self._believed] - _MARGIN:
-            self._believed = best
+        self._measured, self._predicted, self._time = 0.0, np.zeros_like(self._cost), 0.0
+        self._drive = better(self._cost.min(axis=(0, 1)), self._drive)
+
+
+def _deadbands(configured: AxisDrive, expected: Expected) -> list[AxisDrive]:
+    different = [w for w in (0.0, *expected.widths) if abs(w - configured.deadband) > 1e-3 * expected.typical]
+    jump = [AxisDrive(configured.gain, width, False) for width in different]
+    return [configured, *jump, *(AxisDrive(configured.gain, width, True) for width in expected.widths)]
+
+
+def _prior(drives: list[AxisDrive], expected: Expected) -> Array:
+    width = np.array([each.deadband for each in drives])
+    prior = np.where([each.offset for each in drives], _PRIOR_OFFSET, 0.0) + _PRIOR
+    prior += 0.3 * np.abs(np.log(np.maximum(width, 0.1 * expected.typical) / expected.typical))
+    prior[0] = 0.0
+    return np.asarray(prior)
+
+
+def better(costs: Array, believed: int) -> int:
+    """The cheapest, if it is ahead of the believed one by the margin; else that."""
+    best = int(np.argmin(costs))
+    return best if costs[best] < costs[believed] - _MARGIN else believed

@@ -25,7 +25,7 @@ class _Sent(NamedTuple):
     """One command."""
 
     number: int
-    at: float  # when it acts [s]
+    stamp: float  # of the measurement behind it [s]
     v: float  # [m/s]
     omega: float  # [rad/s]
     wanted: tuple[float, float]  # the speeds that it was to bring about: not the same in a deadband
@@ -37,6 +37,7 @@ class CommandHistory:
     def __init__(self, prediction: Prediction) -> None:
         self.prediction = prediction
         self.drive = configured(prediction)  # what the motors make of the commands
+        self.delay = prediction.solve_latency + prediction.command_delay  # [s] from the measurement to the effect
         self._sent: deque[_Sent] = deque()
         self._count = 0  # of all that were ever sent
 
@@ -50,21 +51,20 @@ class CommandHistory:
         `wanted`: speeds (v, omega) that it was to bring about; None: the command itself. When time goes backward, what
         was sent before is forgotten.
         """
-        at = self.acts_at(stamp)
-        if self._sent and self._sent[-1].at > at:
+        if self._sent and self._sent[-1].stamp > stamp:
             self._sent.clear()
-        elif self._sent and self._sent[-1].at == at:
+        elif self._sent and self._sent[-1].stamp == stamp:
             before = self._sent.pop()
             if wanted is None and (before.v, before.omega) == (v, omega):
                 wanted = before.wanted  # the same command, noted once more
-        while self._sent and self._sent[0].at < stamp - _MEMORY:
+        while self._sent and self._sent[0].stamp < stamp - _MEMORY:
             self._sent.popleft()
-        self._sent.append(_Sent(self._count, at, v, omega, (v, omega) if wanted is None else wanted))
+        self._sent.append(_Sent(self._count, stamp, v, omega, (v, omega) if wanted is None else wanted))
         self._count += 1
 
     def acts_at(self, stamp: float) -> float:
         """When a command computed from the measurement at `stamp` acts [s]."""
-        return stamp + self.prediction.solve_latency + self.prediction.command_delay
+        return stamp + self.delay
 
     def view(self) -> CommandView:
         """Of the commands that are sent from now on."""
@@ -103,15 +103,16 @@ class CommandView:
         commands = self._history.since(self._first)
         return commands[-1].wanted if commands else None
 
-    def acting(self, start: float, end: float) -> list[tuple[float, float, float]]:
-        """(duration [s], v, omega) of the commands that act between two times; zero before the first one."""
+    def mean(self, start: float, end: float) -> tuple[float, float]:
+        """Mean (v, omega) of what was sent between two times [s], whenever it acts; zero before the first command."""
         commands = self._history.since(self._first)
-        times = [start, *(command.at for command in commands if start < command.at < end), end]
-        pieces = []
+        times = [start, *(command.stamp for command in commands if start < command.stamp < end), end]
+        v = omega = 0.0
         for begin, stop in itertools.pairwise(times):
-            command = _acting(commands, begin)
-            pieces.append((stop - begin, *((0.0, 0.0) if command is None else (command.v, command.omega))))
-        return pieces
+            command = _last(commands, begin)
+            if command is not None:
+                v, omega = v + (stop - begin) * command.v, omega + (stop - begin) * command.omega
+        return v / (end - start), omega / (end - start)
 
     def acceleration(self, period: float) -> tuple[float, float]:
         """(dv/dt, domega/dt) between the last two commands, `period` [s] apart; zero where there are not two."""
@@ -134,11 +135,12 @@ class CommandView:
         return self._advance(start, end, np.zeros(3), v, omega)[1:]
 
     def _advance(self, time: float, end: float, pose: Array, v: float, omega: float) -> tuple[Array, float, float]:
-        drive, commands = self._history.drive, self._history.since(self._first)
+        drive, delay, commands = self._history.drive, self._history.delay, self._history.since(self._first)
         while time < end - _SAME_TIME:
-            changes = [command.at for command in commands if command.at > time + _SAME_TIME]
-            step = min([end - time, _SUBSTEP, *(at - time for at in changes)])
-            acting = _acting(commands, time)
+            began = time - delay  # of what acts now
+            changes = [command.stamp for command in commands if command.stamp > began + _SAME_TIME]
+            step = min([end - time, _SUBSTEP, *(stamp - began for stamp in changes)])
+            acting = _last(commands, began)
             v, mean_v = _follow(v, None if acting is None else drive.v.effective(acting.v), step, drive.lag_v)
             asked = None if acting is None else drive.omega.effective(acting.omega)
             omega, mean_omega = _follow(omega, asked, step, drive.lag_omega)
@@ -157,10 +159,10 @@ def coasting_pose(pose: ArrayLike, v: float, omega: float, lag: float, lag_omega
     return arc_step(pose, v * lag, omega * (lag if lag_omega is None else lag_omega), 1.0)
 
 
-def _acting(commands: list[_Sent], time: float) -> _Sent | None:
-    """The last command that acts by then."""
-    acting = [command for command in commands if command.at <= time + _SAME_TIME]
-    return acting[-1] if acting else None
+def _last(commands: list[_Sent], time: float) -> _Sent | None:
+    """The last command that was sent by then."""
+    sent = [command for command in commands if command.stamp <= time + _SAME_TIME]
+    return sent[-1] if sent else None
 
 
 def _follow(speed: float, asked: float | None, step: float, lag: float) -> tuple[float, float]:

@@ -118,12 +118,17 @@ class Phases:
 
     def _drive(self, chair: Instant, target: Target) -> Command:
         assert self.T_odom_dock is not None  # every caller has looked
-        motion = self._motion.at(chair.stamp)
+        motion = self._speeds(chair)
         command = self._controller.command(chair.pose, motion, self.T_odom_dock, target, chair.stamp)
         failures = self._controller.counters.consecutive_failures
         if failures >= self._controller.parameters.fallback.max_consecutive:
             raise GoalEnd(ResultCode.FAILED_TO_CONTROL, f"{failures} cycles without a solution: {command.text}")
         return command
+
+    def _speeds(self, chair: Instant) -> tuple[float, float]:
+        """(v, omega) of the chair, less the errors of its odometry."""
+        estimate, motion = self._observer.estimate(chair.stamp), self._motion.at(chair.stamp)
+        return motion if estimate is None else estimate.true_speeds(*motion)
 
     def _wait(self, chair: Instant) -> Command:
         estimate = self._observer.estimate(chair.stamp)

@@ -1,0 +1,79 @@
+"""From the speeds that a plan wants to commands that this chair's motors obey, and what is learned from its response."""
+
+from __future__ import annotations
+
+from seater_common.geometry import Chair
+from seater_nmpc.control.limits import clamp
+from seater_nmpc.drive.modulator import Modulator
+from seater_nmpc.drive.response import Expected, ResponseEstimator, better
+from seater_nmpc.observe.prediction import CommandHistory
+
+_SPEED = Expected(widths=(0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.055), typical=0.02, noise=0.006)  # [m/s]
+_TURNING = Expected(widths=(0.01, 0.015, 0.02, 0.03, 0.04, 0.05, 0.065, 0.085, 0.11), typical=0.04, noise=0.012)
+_SLOWLY = 0.1  # [s/s] by which delay and lags are changed
+
+
+class Actuation:
+    """Speeds in, commands out. Feed it with measured speeds."""
+
+    def __init__(self, chair: Chair, history: CommandHistory, *, adapt: bool) -> None:
+        """`adapt`: learn deadbands (and write them to `history.drive`)."""
+        self._chair, self._history, self._adapt = chair, history, adapt
+        self._sent, drive = history.view(), history.drive
+        self._v, self._omega = Modulator(), Modulator()
+        self._estimate_v = ResponseEstimator(drive.v, history.delay, drive.lag_v, _SPEED)
+        self._estimate_omega = ResponseEstimator(drive.omega, history.delay, drive.lag_omega, _TURNING)
+        self._delay = self._estimate_v.delays.index(history.delay)  # these are believed in
+        self._lag_v = self._estimate_v.lags.index(drive.lag_v)
+        self._lag_omega = self._estimate_omega.lags.index(drive.lag_omega)
+        self._stamp: float | None = None
+
+    def restart(self) -> None:
+        """As at a goal's beginning: nothing is owed, whatever was sent. What was learned stays."""
+        self._sent.restart()
+        self._v.reset()
+        self._omega.reset()
+        self._estimate_v.restart()
+        self._estimate_omega.restart()
+        self._stamp = None
+
+    def measured(self, stamp: float, v: float, omega: float) -> None:
+        """Speeds [m/s, rad/s] at `stamp` [s]; not newer ones than the last are ignored."""
+        if self._stamp is not None and stamp <= self._stamp:
+            return
+        before, self._stamp = self._stamp, stamp
+        if before is None or not self._adapt:
+            return
+        self._estimate_v.add(before, stamp, lambda start, end: self._sent.mean(start, end)[0], v)
+        self._estimate_omega.add(before, stamp, lambda start, end: self._sent.mean(start, end)[1], omega)
+        self._learn(stamp - before)
+
+    def _learn(self, duration: float) -> None:
+        """Deadbands at once, times slowly: the plan rests on them."""
+        v, omega, drive, most = self._estimate_v, self._estimate_omega, self._history.drive, _SLOWLY * duration
+        drive.v, drive.omega = v.drive, omega.drive
+        self._delay = better(v.delay_costs() + omega.delay_costs(), self._delay)
+        self._lag_v = better(v.lag_costs(self._delay), self._lag_v)
+        self._lag_omega = better(omega.lag_costs(self._delay), self._lag_omega)
+        self._history.delay = _nearer(self._history.delay, v.delays[self._delay], most)
+        drive.lag_v = _nearer(drive.lag_v, v.lags[self._lag_v], most)
+        drive.lag_omega = _nearer(drive.lag_omega, omega.lags[self._lag_omega], most)
+
+    def send(
+        self, stamp: float, wanted: tuple[float, float], before: tuple[float, float], period: float, slow: bool
+    ) -> tuple[float, float]:
+        """The command that brings about the `wanted` speeds from `stamp` on; noted as sent.
+
+        `before`: the speeds that count as the last command where none was sent. `slow`: the bay's limit holds.
+        """
+        drive = self._history.drive
+        v = self._v.command(wanted[0], drive.v, period, steady=True)
+        omega = self._omega.command(wanted[1], drive.omega, period, steady=False)
+        v, omega = clamp(self._chair, v, omega, self._sent.last or before, period, slow)
+        self._history.sent(stamp, v, omega, wanted)
+        return v, omega
+
+
+def _nearer(value: float, to: float, most: float) -> float:
+    """`value`, changed by `most` at most towards `to`."""
+    return value + min(max(to - value, -most), most)
