@@ -70,6 +70,8 @@ class Actuation:
         v = self._v.command(wanted[0], drive.v, period, steady=True)
         omega = self._omega.command(wanted[1], drive.omega, period, steady=False)
         v, omega = clamp(self._chair, v, omega, self._sent.last or before, period, slow)
+        self._v.sent(v, drive.v, period)
+        self._omega.sent(omega, drive.omega, period)
         self._history.sent(stamp, v, omega, wanted)
         return v, omega
 

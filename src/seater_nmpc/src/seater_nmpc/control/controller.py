@@ -94,6 +94,11 @@ class DockingController:
         self.history.clear()
 
     @property
+    def period(self) -> float:
+        """Measured time between two cycles [s], at least `control_period`."""
+        return self._period
+
+    @property
     def obstacles(self) -> list[Array]:
         """What `set_obstacles` was given last, as convex anticlockwise outlines (n, 2) in the dock's frame [m]."""
         return self._obstacles
@@ -141,9 +146,7 @@ class DockingController:
         numbers = [*np.ravel(vehicle_pose), *velocity, *np.ravel(dock_pose), stamp]
         self.counters.cycles += 1
         if self._begins:
-            self._commands.restart()
-            self._actuation.restart()
-            self._begins = False
+            self._begin()
         if not all(math.isfinite(value) for value in numbers):
             self.counters.refused_inputs += 1
             return self._fall_back(self._clock, None, "input not finite")
@@ -184,6 +187,17 @@ class DockingController:
         """Speeds [m/s, rad/s] that were measured at `stamp` [s], to learn from; those given to `command` count, too."""
         self._actuation.measured(stamp, v, omega)
 
+    def move(self, stamp: float, velocity: tuple[float, float], v: float, omega: float) -> Command:
+        """A command for these speeds without a plan, within the chair's limits: for a small move by hand, as it were.
+
+        `velocity`: measured at `stamp`, as for `command`.
+        """
+        self._measure_period(stamp)
+        if self._begins:
+            self._begin()
+        v, omega = self._actuation.send(stamp, (v, omega), velocity, self._period, True)
+        return Command(v=v, omega=omega)
+
     def rest_pose(self, stamp: float, vehicle_pose: ArrayLike, velocity: tuple[float, float]) -> Array:
         """Where the chair comes to rest when zero is commanded now: (x, y, heading), in the frame of `vehicle_pose`.
 
@@ -191,6 +205,11 @@ class DockingController:
         """
         pose, v, omega = self._commands.roll(stamp, vehicle_pose, *velocity)
         return coasting_pose(pose, v, omega, self.history.drive.lag_v, self.history.drive.lag_omega)
+
+    def _begin(self) -> None:
+        self._commands.restart()
+        self._actuation.restart()
+        self._begins = False
 
     def _measure_period(self, stamp: float) -> None:
         """Between two cycles, at least the configured one; longer only when several in a row were."""

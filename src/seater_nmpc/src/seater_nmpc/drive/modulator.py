@@ -24,21 +24,28 @@ class Modulator:
 
     def reset(self) -> None:
         """Nothing is owed, the chair stands."""
-        self._owed, self._moving = 0.0, 0.0
+        self._owed, self._moving, self._most = 0.0, 0.0, 0.0
 
     def command(self, wanted: float, drive: AxisDrive, period: float, *, steady: bool) -> float:
-        """The command for a `wanted` speed over the next `period` [s]. `steady`: keep going rather than stop and go."""
+        """The command for a `wanted` speed over the next `period` [s]; say with `sent` what became of it.
+
+        `steady`: keep going rather than stop and go.
+        """
         smallest = drive.smallest_speed
+        self._most = smallest * _SHORTEST
         if abs(wanted) >= smallest:
             self._owed, self._moving = 0.0, math.copysign(1.0, wanted) if smallest > 0.0 else 0.0
+            self._most = 0.0
             return drive.command(wanted)
         self._owed = self._owed * math.exp(-period / _MEMORY) + wanted * period
         if not self._goes_on(wanted, smallest, steady):
-            quantum = smallest * _SHORTEST
-            self._moving = math.copysign(1.0, self._owed) if abs(self._owed) >= quantum else 0.0
-        speed = self._moving * smallest
-        self._owed = min(max(self._owed - speed * period, -smallest * _SHORTEST), smallest * _SHORTEST)
-        return drive.command(speed)
+            self._moving = math.copysign(1.0, self._owed) if abs(self._owed) >= self._most else 0.0
+        return drive.command(self._moving * smallest)
+
+    def sent(self, command: float, drive: AxisDrive, period: float) -> None:
+        """What was sent, after all limits, for the `period` [s]."""
+        owed = self._owed - drive.effective(command) * period
+        self._owed = min(max(owed, -self._most), self._most)
 
     def _goes_on(self, wanted: float, smallest: float, steady: bool) -> bool:
         if self._moving == 0.0:

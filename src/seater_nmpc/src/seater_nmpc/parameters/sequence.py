@@ -15,6 +15,7 @@ class Timeouts:
     approach: float = param(40.0, "s", "approach", low=1.0, high=600.0)
     final: float = param(60.0, "s", "final straight", low=1.0, high=600.0)
     stopping: float = param(5.0, "s", "coming to rest", low=0.5, high=60.0)
+    correcting: float = param(20.0, "s", "small moves on the spot", low=0.5, high=120.0)
     verify: float = param(5.0, "s", "verification", low=0.5, high=60.0)
     retry: float = param(40.0, "s", "backing out", low=1.0, high=600.0)
     dock: float = param(150.0, "s", "whole docking, when the goal does not say", low=1.0, high=3600.0)
@@ -38,13 +39,15 @@ class SequenceParameters:
         0.5, "rad/m", "how fast the allowed heading error grows there", low=0.0, high=3.0
     )
     hold_position: float = param(
-        0.003, "m", "distance from the dock at which the chair is stopped", low=0.0001, high=0.1
+        0.003, "m", "error along the dock's axis up to which the standing chair stays", low=0.0001, high=0.1
     )
-    hold_heading: float = param(0.005, "rad", "the same for the heading error", low=0.0001, high=0.2)
+    hold_heading: float = param(0.006, "rad", "the same for the heading error", low=0.0001, high=0.2)
     release_position: float = param(
-        0.008, "m", "distance beyond which the stopped chair drives on", low=0.0002, high=0.2
+        0.008, "m", "distance beyond which small moves do not help any more", low=0.0002, high=0.2
     )
-    release_heading: float = param(0.014, "rad", "the same for the heading error", low=0.0002, high=0.4)
+    release_heading: float = param(0.014, "rad", "heading error beyond which the chair does not stay", low=0.0002, high=0.4)
+    max_moves: int = param(4, "", "small moves on the spot before the chair stays or tries again", low=0, high=20)
+    move_measurements: int = param(3, "", "fresh measurements averaged before a small move", low=1, high=100)
     settle_time: float = param(
         1.5, "s", "time within the release zone that stops the chair as well", low=0.1, high=30.0
     )

@@ -17,6 +17,7 @@ class Deadlines:
             Phase.APPROACH: (timeouts.approach, ResultCode.FAILED_TO_STAGE),
             Phase.FINAL: (timeouts.final, ResultCode.TIMEOUT),
             Phase.STOPPING: (timeouts.stopping, ResultCode.TIMEOUT),
+            Phase.CORRECTING: (timeouts.correcting, ResultCode.TIMEOUT),
             Phase.RETRY: (timeouts.retry, ResultCode.FAILED_TO_STAGE),
         }
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.geometry import Chair, Dock
-from seater_common.se2 import relative
+from seater_common.se2 import inverse, relative
 from seater_nmpc.control.command import Command
 from seater_nmpc.control.controller import DockingController, Target
 from seater_nmpc.observe.motion import MotionObserver
@@ -19,7 +19,10 @@ from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import SequenceParameters
 from seater_nmpc.plan.corridor import Corridor
 from seater_nmpc.plan.navigator import Navigator
+from seater_nmpc.sequence.correction import Verdict as Correction
+from seater_nmpc.sequence.correction import judge, standing_dock
 from seater_nmpc.sequence.deadlines import Deadlines
+from seater_nmpc.sequence.fine_move import FineMove
 from seater_nmpc.sequence.results import Phase, ResultCode
 from seater_nmpc.sequence.standstill import Standstill
 from seater_nmpc.sequence.verification import Verdict, Verification, within
@@ -29,6 +32,8 @@ Array = NDArray[np.float64]
 STANDING = Command(v=0.0, omega=0.0)
 _MOVING = (Phase.APPROACH, Phase.FINAL, Phase.RETRY)
 _UNDOCKED_SPEED = 0.1  # [m/s] below which the chair near the predock point has arrived there
+_STOPPING_MARGIN = 0.001  # [m] short of the dock at which the chair is stopped for good
+_UNSEEN = 2.0  # [s] that a standing chair waits for images before verification decides
 _VERDICTS = {
     Verdict.DOCKED: ResultCode.SUCCESS,
     Verdict.UNSEEN: ResultCode.MARKER_LOST,
@@ -70,6 +75,7 @@ class Phases:
             Phase.APPROACH: self._approach,
             Phase.FINAL: self._final,
             Phase.STOPPING: self._stop,
+            Phase.CORRECTING: self._correct,
             Phase.VERIFY: self._verify,
             Phase.RETRY: self._retry,
             Phase.UNDOCKING: self._undock,
@@ -100,8 +106,10 @@ class Phases:
         self.deadlines.enter(self.now)
         self._standstill = Standstill(self._parameters, self.now)
         self._verification: Verification | None = None
+        if phase not in (Phase.STOPPING, Phase.CORRECTING):
+            self._moves, self._fine_move = 0, None
         self._navigator.restart()
-        if phase in (Phase.WAITING_FOR_DOCK, Phase.STOPPING, Phase.VERIFY, Phase.UNDOCKING):
+        if phase in (Phase.WAITING_FOR_DOCK, Phase.VERIFY, Phase.UNDOCKING):
             self._controller.reset()
 
     def _look(self, chair: Instant) -> Array:
@@ -129,6 +137,11 @@ class Phases:
         """(v, omega) of the chair, less the errors of its odometry."""
         estimate, motion = self._observer.estimate(chair.stamp), self._motion.at(chair.stamp)
         return motion if estimate is None else estimate.true_speeds(*motion)
+
+    def _measured(self, chair: Instant) -> tuple[float, float]:
+        """(v, omega) as the odometry has it, less its errors."""
+        estimate = self._observer.estimate(chair.stamp)
+        return (chair.v, chair.omega) if estimate is None else estimate.true_speeds(chair.v, chair.omega)
 
     def _wait(self, chair: Instant) -> Command:
         estimate = self._observer.estimate(chair.stamp)
@@ -168,20 +181,58 @@ class Phases:
         error = self._look(chair)
         if self._corridor.missed(error):
             return self._try_again(chair, ResultCode.FAILED_TO_STAGE, "outside the corridor at the bay")
-        if self._standstill.at_rest_in_place(chair, error):
+        rest, speeds = self._rest_error(chair), self._speeds(chair)
+        if rest[0] >= -self._stopping_margin(speeds) or self._standstill.in_place(chair.stamp, rest):
             self._enter(Phase.STOPPING)
             return STANDING
-        if self._standstill.stalled(chair):
+        if self._standstill.stalled(chair.stamp, self._measured(chair)):
             return self._try_again(chair, ResultCode.NOT_WITHIN_TOLERANCE, "stands short of the dock")
         return self._drive(chair, "dock")
 
+    def _rest_error(self, chair: Instant) -> Array:
+        """Where the chair would come to rest if it were asked to stand now, in the dock's frame (3,)."""
+        assert self.T_odom_dock is not None  # every caller has looked
+        return relative(self.T_odom_dock, self._controller.rest_pose(chair.stamp, chair.pose, self._speeds(chair)))
+
+    def _stopping_margin(self, speeds: tuple[float, float]) -> float:
+        """Half of what is driven until the next cycle: stopping then would be worse."""
+        return _STOPPING_MARGIN + 0.5 * abs(speeds[0]) * self._controller.period
+
     def _stop(self, chair: Instant) -> Command:
-        if self._standstill.released(self._look(chair)):
-            self._enter(Phase.FINAL)
-            return self._drive(chair, "dock")
-        if self._standstill.has_stood(chair):
+        self._look(chair)
+        if not self._standstill.has_stood(chair.stamp, self._measured(chair)):
+            return STANDING
+        fresh, p = self._observer.measurements_since(self._standstill.since), self._parameters
+        if len(fresh) < p.move_measurements:
+            if chair.stamp - self._standstill.since > _UNSEEN:
+                self._enter(Phase.VERIFY)
+            return STANDING
+        self.error = inverse(standing_dock(fresh))
+        return self._decide(chair, self.error)
+
+    def _decide(self, chair: Instant, error: Array) -> Command:
+        verdict = judge(error, self._moves, self._parameters)
+        last = self.retries >= self._parameters.max_retries
+        if verdict is Correction.STAY or (verdict is Correction.AGAIN and last and within(error, self._dock.tolerance)):
             self._enter(Phase.VERIFY)
-        return STANDING
+            return STANDING
+        if verdict is Correction.AGAIN:
+            return self._try_again(chair, ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock")
+        self._enter(Phase.CORRECTING)
+        self._moves += 1
+        history = self._controller.history
+        self._fine_move = FineMove(error, verdict is Correction.TURN, history.drive, history.delay, chair.stamp)
+        return self._correct(chair)
+
+    def _correct(self, chair: Instant) -> Command:
+        self._look(chair)
+        assert self._fine_move is not None  # set with the phase
+        speeds = self._speeds(chair)
+        asked = self._fine_move.speeds(chair.stamp, self._rest_error(chair), speeds, self._controller.period)
+        if asked is None:
+            self._enter(Phase.STOPPING)
+            return STANDING
+        return self._controller.move(chair.stamp, speeds, float(asked[0]), float(asked[1]))
 
     def _verify(self, chair: Instant) -> Command:
         self._look(chair)
@@ -213,7 +264,7 @@ class Phases:
         p = self._parameters
         arrived = to_go[0] <= 0.0 or math.hypot(to_go[0], to_go[1]) <= p.predock_position
         if arrived and abs(chair.v) <= _UNDOCKED_SPEED:
-            if self._standstill.has_stood(chair):
+            if self._standstill.has_stood(chair.stamp, self._measured(chair)):
                 raise GoalEnd(ResultCode.SUCCESS, "undocked")
             return STANDING
         return self._drive(chair, "predock")

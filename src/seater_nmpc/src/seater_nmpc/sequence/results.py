@@ -18,6 +18,7 @@ class Phase(IntEnum):
     VERIFY = 4
     RETRY = 5
     UNDOCKING = 6
+    CORRECTING = 7
 
 
 class ResultCode(IntEnum):

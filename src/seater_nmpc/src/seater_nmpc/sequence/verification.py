@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.geometry import Dock, Tolerance
-from seater_common.se2 import compose, inverse, relative
-from seater_nmpc.observe.measurement import Measurement, combine, in_frame
+from seater_common.se2 import compose, relative
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import SequenceParameters
+from seater_nmpc.sequence.correction import standing_dock
 
 Array = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ class Verification:
             if len(fresh) < self._parameters.verify_measurements:
                 late = now - self._start > self._parameters.timeouts.verify
                 return 0.0, Verdict.UNSEEN if late else Verdict.PENDING
-            self._T_odom_dock, self._wait_since = _standing_mean(fresh, chair), now
+            self._T_odom_dock, self._wait_since = compose(chair.pose, standing_dock(fresh)), now
         self.error = relative(self._T_odom_dock, chair.pose)
         if self._nudge_from is None and not self._nudged and not within(self.error, self._dock.tolerance):
             return 0.0, Verdict.OUTSIDE
@@ -75,9 +75,3 @@ class Verification:
             return 0.0, Verdict.NO_CONTACT
         self._nudge_from, self._wait_since = chair, now
         return p.nudge_speed, Verdict.PENDING
-
-
-def _standing_mean(fresh: list[tuple[Instant, Measurement]], chair: Instant) -> Array:
-    """The dock in odom (3,), as if all images had been taken now: the chair stands, whatever drift its odometry has."""
-    seen = [in_frame(inverse(instant.pose), measurement) for instant, measurement in fresh]
-    return compose(chair.pose, combine(seen).pose)

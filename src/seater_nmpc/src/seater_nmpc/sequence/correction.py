@@ -1,0 +1,50 @@
+"""What is to be done with a chair that has come to rest near the dock: leave it there, move it a little, or try again."""
+
+from __future__ import annotations
+
+import math
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_common.se2 import inverse
+from seater_nmpc.observe.measurement import Measurement, combine, in_frame
+from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.parameters import SequenceParameters
+
+Array = NDArray[np.float64]
+Fresh = list[tuple[Instant, Measurement]]
+
+_LARGEST_TURN = 0.12  # [rad] beyond that a turn on the spot may bring a corner to a wall
+
+
+class Verdict(Enum):
+    """What is to be done."""
+
+    STAY = 0
+    TURN = 1
+    MOVE = 2  # forward or backward
+    AGAIN = 3
+
+
+def standing_dock(fresh: Fresh) -> Array:
+    """The dock in base_link (3,): mean of images taken while the chair stood, whatever drift its odometry has."""
+    return combine([in_frame(inverse(instant.pose), measurement) for instant, measurement in fresh]).pose
+
+
+def judge(error: Array, moves: int, parameters: SequenceParameters) -> Verdict:
+    """Of a standing chair at `error` (3,) from the dock, after so many small moves.
+
+    Sideways only a new attempt helps; heading and distance can be mended on the spot.
+    """
+    p = parameters
+    x, y, heading = (abs(float(value)) for value in error)
+    if y > p.release_position or heading > _LARGEST_TURN:
+        return Verdict.AGAIN
+    if moves < p.max_moves and heading > p.hold_heading:
+        return Verdict.TURN
+    if moves < p.max_moves and x > p.hold_position:
+        return Verdict.MOVE
+    inside = math.hypot(x, y) <= p.release_position and heading <= p.release_heading
+    return Verdict.STAY if inside else Verdict.AGAIN
