@@ -29,3 +29,16 @@ class Corridor:
     def missed(self, pose: Array) -> bool:
         """Whether the chair is past the gate and outside the corridor."""
         return float(pose[0]) > self._gate_x and not self.contains(pose)
+
+
+_STRAIGHT_FROM, _STRAIGHT = -0.5, -0.25  # [m] along the dock's axis: from where on the way becomes straight, and is so
+_LATERAL = 0.003  # [m] lateral error that is not worth a turn on the last stretch
+
+
+def straight_in(pose: Array) -> Array:
+    """The target (3,) of the last stretch, in the dock's frame like `pose`: a small lateral error is left as it is.
+
+    Mending the last millimetres there would end in a heading error: turning needs way, and there is none left.
+    """
+    straight = min(max((float(pose[0]) - _STRAIGHT_FROM) / (_STRAIGHT - _STRAIGHT_FROM), 0.0), 1.0)
+    return np.array([0.0, straight * min(max(float(pose[1]), -_LATERAL), _LATERAL), 0.0])

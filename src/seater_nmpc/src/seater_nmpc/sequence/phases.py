@@ -17,7 +17,7 @@ from seater_nmpc.observe.motion import MotionObserver
 from seater_nmpc.observe.observer import DockEstimate, DockObserver
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import SequenceParameters
-from seater_nmpc.plan.corridor import Corridor
+from seater_nmpc.plan.corridor import Corridor, straight_in
 from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.sequence.correction import Verdict as Correction
 from seater_nmpc.sequence.correction import judge, standing_dock
@@ -187,7 +187,7 @@ class Phases:
             return STANDING
         if self._standstill.stalled(chair.stamp, self._measured(chair)):
             return self._try_again(chair, ResultCode.NOT_WITHIN_TOLERANCE, "stands short of the dock")
-        return self._drive(chair, "dock")
+        return self._drive(chair, straight_in(error))
 
     def _rest_error(self, chair: Instant) -> Array:
         """Where the chair would come to rest if it were asked to stand now, in the dock's frame (3,)."""
@@ -221,7 +221,9 @@ class Phases:
         self._enter(Phase.CORRECTING)
         self._moves += 1
         history = self._controller.history
-        self._fine_move = FineMove(error, verdict is Correction.TURN, history.drive, history.delay, chair.stamp)
+        turning, before = verdict is Correction.TURN, self._fine_move
+        effort = 1.0 if before is None or before.turning is not turning else before.effort_after(error)
+        self._fine_move = FineMove(error, turning, history.drive, history.delay, chair.stamp, effort=effort)
         return self._correct(chair)
 
     def _correct(self, chair: Instant) -> Command:
