@@ -18,6 +18,7 @@ Start = tuple[float, float, float]
 STARTS = ("front", "beside", "turned")
 _CLEAR = 0.1  # [m] from every wall
 _CAMERA_RATES, _ODOMETRY_RATES = (10, 5, 3), (200, 50, 20, 10, 5)  # [Hz]
+_VIEWS = (69, 62)  # [deg] horizontally: D435's colour camera, Raspberry Pi camera 2
 _GYRO_BIAS = 0.03  # [rad/s]
 
 
@@ -28,6 +29,7 @@ class Row:
     name: str
     effects: Effects
     starts: str = "front"
+    markers: int = 0  # so many of the dock's markers, the first ones; 0: all
 
 
 def _effect(group: str, **values: object) -> Callable[[float], Effects]:
@@ -82,6 +84,13 @@ def rows() -> dict[str, list[Row]]:
         "kinematic": [Row("kinematic", kinematic())],
         "beside": [Row("beside", _WHOLE, "beside")],
         "turned": [Row("turned", _WHOLE, "turned")],
+        "single_marker": [
+            Row("single_marker", changed(_WHOLE, "pictures", flips=0.0, ambiguous=True), markers=1),
+            Row("single_marker_alone", changed(kinematic(), "pictures", ambiguous=True), markers=1),
+        ],
+        "narrow_view": [
+            Row(f"narrow_view_{view}", changed(_WHOLE, "pictures", view=math.radians(view))) for view in _VIEWS
+        ],
     }
     for name, make in _ALONE.items():
         sets[name] = [Row(name, make(1.0)), Row(f"{name}_2x", make(2.0))]

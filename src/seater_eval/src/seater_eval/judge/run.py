@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from seater_common.se2 import compose, inverse
 from seater_eval.judge.cases import Row, draw_start
 from seater_eval.judge.drivers import ClassDriver, Driver, SequenceDriver
-from seater_eval.judge.parts import load_files
+from seater_eval.judge.parts import kept, load_files
 from seater_eval.judge.plant.built import draw_built
 from seater_eval.judge.plant.camera import DockCamera
 from seater_eval.judge.plant.chair import STEP, IndependentChair
 from seater_eval.judge.plant.encoders import WheelOdometry
 from seater_eval.judge.told import told_parameters
-from seater_eval.judge.verdict import Motion, judge, smallest_gap
+from seater_eval.judge.verdict import CREEP, Motion, judge, smallest_gap
 from seater_nmpc.parameters import ControlParameters, NmpcParameters
 
 Array = NDArray[np.float64]
@@ -69,7 +69,7 @@ def run(job: Job) -> tuple[dict[str, Any], Log]:
     log, driver = loop.log(), loop.driver
     result = driver.result
     succeeded = None if job.driver == "class" else result is not None and result.success
-    files = load_files(job.config)
+    files = load_files(job.config, job.row.markers)
     code = "TIMEOUT" if result is None else result.code.name
     values = {
         "row": job.row.name,
@@ -92,7 +92,7 @@ class _Loop:
 
     def __init__(self, job: Job) -> None:
         self._job, effects = job, job.row.effects
-        files = load_files(job.config)
+        files = load_files(job.config, job.row.markers)
         self._files = files
         streams = [np.random.default_rng([job.seed, stream]) for stream in range(6)]
         camera = DockCamera(files.chair, files.dock, effects.pictures, streams[0])
@@ -109,17 +109,18 @@ class _Loop:
 
     def _make_driver(self, rng: np.random.Generator) -> Driver:
         job, base = self._job, self._files.parameters
+        tools = kept(job.config, job.row.markers)
         if job.driver == "class":  # its defaults, not those of the files
             base = NmpcParameters(control=ControlParameters())
         parameters = told_parameters(base, job.told, job.row.effects, self.built)
         if job.driver == "class":
-            return ClassDriver(self._files, job.config, parameters)
+            return ClassDriver(self._files, tools, parameters)
         prior = None
         way, direction, turn = rng.uniform(0.0, _PRIOR[0]), rng.uniform(-math.pi, math.pi), rng.uniform(-1.0, 1.0)
         if job.row.starts != "front":
             prior = compose(_ORIGIN, inverse(self.start))
             prior = prior + [way * math.cos(direction), way * math.sin(direction), turn * _PRIOR[1]]
-        return SequenceDriver(self._files, job.config, parameters, prior)
+        return SequenceDriver(self._files, tools, parameters, prior)
 
     def drive(self) -> None:
         """Until the driver has ended, the chair has crashed, or time is over."""
@@ -131,7 +132,7 @@ class _Loop:
             self._rows.append([now, chair.x, chair.y, chair.heading, chair.v, chair.omega])
             if self.driver.result is not None and ended == math.inf:
                 ended = now
-            if chair.v != 0.0 or chair.omega != 0.0:
+            if max(abs(chair.v), abs(chair.omega)) > CREEP:
                 moved = now
             idle = self._job.driver == "class" and now - moved > _IDLE
             if now - _BEGIN >= _LONGEST[self._job.driver] or now - ended >= _AFTER or idle:

@@ -64,6 +64,7 @@ class Pictures:
     view: float = math.radians(90.0)  # [rad] horizontal field of view
     outliers: float = 0.03  # share of images whose pose is far off
     flips: float = 0.05  # share of images that offer the pose mirrored about the line of sight
+    ambiguous: bool = False  # every image leaves both poses open, as a single marker's may
     noise: float = 1.0  # times the standard deviations of camera.py; 0: exact, but told as at 1
 
 
