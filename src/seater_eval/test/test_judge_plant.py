@@ -182,6 +182,19 @@ def test_odometry_comes_at_its_rate_with_true_stamps(rate: float) -> None:
     assert abs(arrived[-1][1].pose[0] - 0.1 * arrived[-1][1].stamp) <= 1.01e-4  # one tick
 
 
+def test_messages_overtake_each_other_only_where_they_may() -> None:
+    def stamps(ordered: bool) -> list[float]:
+        odometry = WheelOdometry(Encoders(jitter=0.05, ordered=ordered), 0.0, (0.0, 0.0, 0.0), np.random.default_rng(1))
+        arrived = []
+        for k in range(401):
+            odometry.look(k * STEP, [0.0, 0.0])
+            arrived += [message.stamp for message in odometry.messages(k * STEP)]
+        return arrived
+
+    assert stamps(True) == sorted(stamps(True))
+    assert stamps(False) != sorted(stamps(False)) and len(stamps(False)) > 90
+
+
 def test_biases_and_zero_twist_of_odometry() -> None:
     def last(**settings: object) -> object:
         odometry = WheelOdometry(Encoders(**settings), 0.0, (0.0, 0.0, 0.0), np.random.default_rng(1))  # type: ignore[arg-type]

@@ -133,6 +133,8 @@ def fake_run(**values: object) -> dict:
     return {
         **dict.fromkeys(numbers.split(), 1.0),
         "docked": True,
+        "moved_m": 2.0,
+        "text": "",
         "touched": False,
         "stands": True,
         "code": "SUCCESS",
@@ -142,9 +144,16 @@ def fake_run(**values: object) -> dict:
 def test_a_false_success_is_counted_and_misses_its_bar() -> None:
     summary = summarize([fake_run(), fake_run(docked=False), fake_run(docked=False, touched=True, code="MARKER_LOST")])
     assert (summary["docked"], summary["touched"], summary["falsely_successful"]) == (1, 1, 1)
+    assert summary["refused"] == 0 and summarize([fake_run(docked=False, moved_m=0.0)])["refused"] == 1
     data = {"seed": 1, "driver": "sequence", "told": "nothing", "rows": [{"name": "row", "summary": summary}]}
     assert [bar.met for bar in bars(data)] == [False, False, False]
     assert "1 of 3" in describe(data) and "SUCCESS 2, MARKER_LOST 1" in describe(data)
+
+
+def test_equal_causes_are_counted_together() -> None:
+    texts = ("no marker for 0.31 m and 2 s", "no marker for 0.4 m and 1.5 s", "too far")
+    summary = summarize([fake_run(docked=False, code="MARKER_LOST", text=text) for text in texts])
+    assert summary["failures"] == {"MARKER_LOST: no marker for # m and # s": 2, "MARKER_LOST: too far": 1}
 
 
 def test_a_campaign_can_be_written_as_json() -> None:

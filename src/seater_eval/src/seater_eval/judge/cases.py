@@ -60,6 +60,7 @@ _ALONE: dict[str, Callable[[float], Effects]] = {
         "drive", deadband_v=_D.deadband_v, deadband_omega=_D.deadband_omega, deadband_kind="stiction"
     ),
     "delay": _effect("drive", delay=_D.delay),
+    "delay_jitter": _effect("drive", delay_jitter=0.05),
     "lag": _effect("drive", lag=_D.lag),
     "slip": _effect("floor", slip=_F.slip),
     "slip_patches": _effect("floor", patch_slip=_F.patch_slip),
@@ -70,13 +71,15 @@ _ALONE: dict[str, Callable[[float], Effects]] = {
     "outliers": _effect("pictures", outliers=_P.outliers),
     "flips": _effect("pictures", flips=_P.flips),
     "camera_latency": _effect("pictures", latency=_P.latency),
+    "odometry_jitter": _effect("encoders", jitter=0.02),
+    "odometry_reordered": _effect("encoders", jitter=0.03, ordered=False),
     "gyro_bias": _effect("encoders", gyro_bias=_GYRO_BIAS),
     "gyro_drift": _effect("encoders", gyro_bias=_GYRO_BIAS, gyro_in_pose=True),
 }
 
 
 def rows() -> dict[str, list[Row]]:
-    """The rows of each set, by the set's name; a row's own name is a set, too."""
+    """The rows of each set, by the set's name; a row's own name is a set, too (NAME_1x: the first row of NAME)."""
     still = changed(_WHOLE, "drive", deadband_v=0.0, deadband_omega=0.0)
     sets = {
         "issue": [Row("issue", _WHOLE)],
@@ -103,6 +106,7 @@ def rows() -> dict[str, list[Row]]:
     sets["zero_twist"] = [Row("zero_twist", changed(kinematic(), "encoders", zero_twist=True))]
     alone = [*_ALONE, "camera_rate", "odometry_rate", "zero_twist"]
     single = {row.name: [row] for members in sets.values() for row in members if row.name not in sets}
+    single |= {f"{name}_1x": sets[name][:1] for name in _ALONE}
     return {**sets, **single, "effects": [row for name in alone for row in sets[name]]}
 
 

@@ -57,6 +57,7 @@ def judge(motion: Motion, chair: Chair, dock: Dock, succeeded: bool | None) -> d
         "heading_error_deg": math.degrees(error),
         "reversals": sign_changes(motion.speeds[:, 0], _REVERSAL),
         "turn_changes": sign_changes(motion.speeds[:, 1], _TURNING, round(_LASTING / motion.step)),
+        "moved_m": float(np.hypot(*np.diff(motion.poses[:, :2], axis=0).T).sum()),
         "time_s": _time_until_rest(motion),
         **_comfort(motion),
     }

@@ -49,6 +49,7 @@ class Encoders:
 
     rate: float = 50.0  # [Hz]
     jitter: float = 0.0  # [s] each message comes later by up to this; its stamp is true
+    ordered: bool = True  # false: messages may overtake each other
     tick: float = 1e-4  # [m] of rolling per encoder step (a geared motor's encoder)
     zero_twist: bool = False  # the messages say nothing of speeds
     gyro_bias: float = 0.0  # [rad/s] added to the turning rate that is told
