@@ -115,6 +115,10 @@ def test_castors_that_point_backward_brake_and_swing_to_their_side() -> None:
     assert pushes[-1] < 1e-3  # in line after 0.6 m: 180 degrees are an equilibrium that it leaves slowly
 
 
+def test_castors_brake_either_way() -> None:
+    assert Castors(0.1, 0.02, math.pi - 0.1).step(0.2, 0.0, STEP)[0] == pytest.approx(-0.02, rel=0.01)
+
+
 def test_a_standing_chair_is_not_pushed() -> None:
     assert Castors(0.1, 0.02, 2.0).step(0.0, 0.0, STEP) == (0.0, 0.0)
 
@@ -132,6 +136,17 @@ def test_a_patch_under_one_wheel_turns_the_chair() -> None:
     odometry = drive(chair, 0.2, 0.0, 0.5)
     assert chair.heading == pytest.approx(-0.2 * 0.12 / TRACK * 0.5, rel=1e-3)
     assert odometry.heading == pytest.approx(0.0, abs=1e-6)
+
+
+def test_slip_follows_the_floor_within_the_relaxation_length() -> None:
+    chair = chair_with(built(patches=(Patch(1.0, 0.0, 0.5, 0.1),)))
+    entry = 1.0 - math.sqrt(0.25 - 0.25 * TRACK**2)
+    chair.command(0.0, 0.5, 0.0)
+    for k in range(500):
+        chair.step(k * STEP)
+        if chair.x > entry + 0.05:
+            break
+    assert chair.v == pytest.approx(0.5 * (1.0 - 0.1 * (1.0 - math.exp(-1.0))), rel=0.01)
 
 
 def test_wheels_and_track_that_are_off_turn_the_true_chair() -> None:
@@ -154,6 +169,9 @@ def test_slope_slows_uphill_turns_across_and_lets_a_standing_chair_stand() -> No
     drive(across, 0.5, 0.0, 0.1)
     assert uphill.x == pytest.approx(0.5 - 0.05 * 9.81 * steep, rel=1e-6)
     assert across.heading == pytest.approx(-0.1 * 9.81 * steep * 0.05, rel=1e-2)  # uphill to the left: turns right
+    backward = chair_with(built(slope=(0.0, steep)))
+    drive(backward, -0.5, 0.0, 0.1)
+    assert backward.heading == pytest.approx(across.heading, rel=1e-9)
     standing = chair_with(built(slope=(steep, steep)))
     drive(standing, 0.0, 0.0, 1.0)
     assert (standing.x, standing.y, standing.heading) == (0.0, 0.0, 0.0)
