@@ -44,6 +44,11 @@ def test_the_class_docks_a_kinematic_chair() -> None:
     assert np.diff(log.commands[:, 0]) == pytest.approx(0.05)
 
 
+def test_a_creeping_class_is_given_time_to_stand() -> None:
+    values, _ = run(job("no_deadband", 3, driver="class", told="delay_lag"))
+    assert values["stands"] and values["docked"]
+
+
 def test_images_arrive_late_and_odometry_begins_each_cycle() -> None:
     values, log = run(Job(str(CONFIG), Row("x", changed(kinematic(), "pictures", latency=0.3, rate=10.0)), 3))
     assert log.estimates[:, 5].min() >= 0.3 - 1e-9  # no estimate is younger than the latency

@@ -20,7 +20,7 @@ from seater_eval.judge.plant.camera import DockCamera
 from seater_eval.judge.plant.chair import STEP, IndependentChair
 from seater_eval.judge.plant.encoders import WheelOdometry
 from seater_eval.judge.told import told_parameters
-from seater_eval.judge.verdict import CREEP, Motion, judge, smallest_gap
+from seater_eval.judge.verdict import Motion, judge, smallest_gap
 from seater_nmpc.parameters import ControlParameters, NmpcParameters
 
 Array = NDArray[np.float64]
@@ -30,6 +30,7 @@ _BEGIN = 10.0  # [s] clock at the start
 _LONGEST = {"sequence": 170.0, "class": 60.0}  # [s]
 _AFTER = 1.5  # [s] that a run goes on after its result: whatever moves then counts
 _IDLE = 5.0  # [s] without motion after which a run of the class is over
+_STANDING = 1e-4  # [m/s, rad/s] up to here: slower than the verdict's own bound for standing
 _CRASHED = -0.05  # [m] so deep in a wall, a run is over
 _PRIOR = (0.3, math.radians(10.0))  # [m, rad] the rough pose is off by up to this
 _NEES_95 = 7.81  # 95 % of chi-square with 3 degrees of freedom
@@ -132,7 +133,7 @@ class _Loop:
             self._rows.append([now, chair.x, chair.y, chair.heading, chair.v, chair.omega])
             if self.driver.result is not None and ended == math.inf:
                 ended = now
-            if max(abs(chair.v), abs(chair.omega)) > CREEP:
+            if max(abs(chair.v), abs(chair.omega)) > _STANDING:
                 moved = now
             idle = self._job.driver == "class" and now - moved > _IDLE
             if now - _BEGIN >= _LONGEST[self._job.driver] or now - ended >= _AFTER or idle:

@@ -20,7 +20,7 @@ _MOVED = (1e-4, 1e-4)  # [m, rad] more than this within that time is motion
 _REVERSAL = 0.005  # [m/s] speeds up to this have no direction
 _TURNING = 0.02  # [rad/s] nor have these
 _LASTING = 0.2  # [s] turning to one side for less than this is no turn
-CREEP = 1e-3  # [m/s, rad/s] up to here a chair is taken to stand while it drives
+_CREEP = 1e-3  # [m/s, rad/s] up to here a chair is taken to stand while it drives
 _CUT_OFF = 5.0  # [Hz] low-pass ahead of acceleration and jerk: 2nd-order Butterworth, forward and backward
 
 
@@ -116,7 +116,7 @@ def _separation(corners: Array, wall: Array, c: Array, s: Array) -> Array:
 
 def _time_until_rest(motion: Motion) -> float:
     """From the start until the last motion that anyone would notice [s]."""
-    moving = np.flatnonzero(np.abs(motion.speeds).max(axis=1) > CREEP)
+    moving = np.flatnonzero(np.abs(motion.speeds).max(axis=1) > _CREEP)
     return float(motion.times[moving[-1]] - motion.times[0]) if len(moving) else 0.0
 
 
