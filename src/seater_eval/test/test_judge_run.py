@@ -45,7 +45,7 @@ def test_the_class_docks_a_kinematic_chair() -> None:
 
 
 def test_a_creeping_class_is_given_time_to_stand() -> None:
-    values, _ = run(job("no_deadband", 3, driver="class", told="delay_lag"))
+    values, _ = run(job("no_deadband", 1, driver="class", told="delay_lag"))
     assert values["stands"] and values["docked"]
 
 
