@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -16,6 +17,7 @@ from seater_eval.report.tables import text_table
 from seater_eval.run.long_run import run_long
 from seater_eval.run.parallel import job_seed
 
+_UNMOVED = 0.001  # [m]
 _SPREADS = (
     "position_error_m",
     "heading_error_deg",
@@ -73,14 +75,33 @@ def summarize(runs: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "touched": sum(run["touched"] for run in runs),
         "falsely_successful": sum(run["code"] in ("SUCCESS", "ALREADY_DOCKED") and not run["docked"] for run in runs),
         "moving_at_the_end": sum(not run["stands"] for run in runs),
+        "refused": sum(run["moved_m"] < _UNMOVED and not run["docked"] for run in runs),
+        "failures": dict(Counter(_cause(run) for run in runs if not run["docked"]).most_common()),
         "codes": dict(codes.most_common()),
         **{name: spread(None if run[name] is None else abs(run[name]) for run in runs) for name in _SPREADS},
     }
 
 
+def _cause(run: dict[str, Any]) -> str:
+    """Result code and text without its numbers, so that equal causes are counted together."""
+    return f"{run['code']}: {re.sub(r'[0-9.]*[0-9]', '#', run['text'])}" if run["code"] else "ends elsewhere"
+
+
 def describe(data: dict[str, Any]) -> str:
     """The table for a person."""
-    head = ["row", "docked", "touched", "error [mm]", "[deg]", "reversals", "turns", "time [s]", "jerk", "ended"]
+    head = [
+        "row",
+        "docked",
+        "refused",
+        "touched",
+        "error [mm]",
+        "[deg]",
+        "reversals",
+        "turns",
+        "time [s]",
+        "jerk",
+        "ended",
+    ]
     rows = []
     for row in data["rows"]:
         s = row["summary"]
@@ -88,6 +109,7 @@ def describe(data: dict[str, Any]) -> str:
             [
                 row["name"],
                 f"{s['docked']} of {s['runs']}",
+                str(s["refused"]),
                 str(s["touched"]),
                 _pair(s["position_error_m"], 1e3, 1),
                 _pair(s["heading_error_deg"], 1.0, 2),
@@ -99,8 +121,13 @@ def describe(data: dict[str, Any]) -> str:
             ]
         )
     told = f"driver {data['driver']}, told {data['told']}, seed {data['seed']}; median / 95 % of all runs"
-    note = "peak jerk [m/s^3] of the true speed low-passed at 5 Hz"
-    return f"{told}\n{text_table(head, rows, 'lrrrrrrrrl')}\n{note}"
+    failures = [
+        f"  {row['name']}: {count} x {cause}"
+        for row in data["rows"]
+        for cause, count in row["summary"]["failures"].items()
+    ]
+    note = "refused: not docked, never moved; peak jerk [m/s^3] of the true speed low-passed at 5 Hz"
+    return f"{told}\n{text_table(head, rows, 'lrrrrrrrrrl')}\n{note}\n\n" + "\n".join(failures)
 
 
 def _pair(values: dict[str, float | None], factor: float, digits: int) -> str:

@@ -18,6 +18,7 @@ Start = tuple[float, float, float]
 STARTS = ("front", "beside", "turned")
 _CLEAR = 0.1  # [m] from every wall
 _CAMERA_RATES, _ODOMETRY_RATES = (10, 5, 3), (200, 50, 20, 10, 5)  # [Hz]
+_VIEWS = (69, 62)  # [deg] horizontally: D435's colour camera, Raspberry Pi camera 2
 _GYRO_BIAS = 0.03  # [rad/s]
 
 
@@ -28,6 +29,7 @@ class Row:
     name: str
     effects: Effects
     starts: str = "front"
+    markers: int = 0  # so many of the dock's markers, the first ones; 0: all
 
 
 def _effect(group: str, **values: object) -> Callable[[float], Effects]:
@@ -58,6 +60,7 @@ _ALONE: dict[str, Callable[[float], Effects]] = {
         "drive", deadband_v=_D.deadband_v, deadband_omega=_D.deadband_omega, deadband_kind="stiction"
     ),
     "delay": _effect("drive", delay=_D.delay),
+    "delay_jitter": _effect("drive", delay_jitter=0.05),
     "lag": _effect("drive", lag=_D.lag),
     "slip": _effect("floor", slip=_F.slip),
     "slip_patches": _effect("floor", patch_slip=_F.patch_slip),
@@ -68,13 +71,15 @@ _ALONE: dict[str, Callable[[float], Effects]] = {
     "outliers": _effect("pictures", outliers=_P.outliers),
     "flips": _effect("pictures", flips=_P.flips),
     "camera_latency": _effect("pictures", latency=_P.latency),
+    "odometry_jitter": _effect("encoders", jitter=0.02),
+    "odometry_reordered": _effect("encoders", jitter=0.03, ordered=False),
     "gyro_bias": _effect("encoders", gyro_bias=_GYRO_BIAS),
     "gyro_drift": _effect("encoders", gyro_bias=_GYRO_BIAS, gyro_in_pose=True),
 }
 
 
 def rows() -> dict[str, list[Row]]:
-    """The rows of each set, by the set's name; a row's own name is a set, too."""
+    """The rows of each set, by the set's name; a row's own name is a set, too (NAME_1x: the first row of NAME)."""
     still = changed(_WHOLE, "drive", deadband_v=0.0, deadband_omega=0.0)
     sets = {
         "issue": [Row("issue", _WHOLE)],
@@ -82,6 +87,13 @@ def rows() -> dict[str, list[Row]]:
         "kinematic": [Row("kinematic", kinematic())],
         "beside": [Row("beside", _WHOLE, "beside")],
         "turned": [Row("turned", _WHOLE, "turned")],
+        "single_marker": [
+            Row("single_marker", changed(_WHOLE, "pictures", flips=0.0, ambiguous=True), markers=1),
+            Row("single_marker_alone", changed(kinematic(), "pictures", ambiguous=True), markers=1),
+        ],
+        "narrow_view": [
+            Row(f"narrow_view_{view}", changed(_WHOLE, "pictures", view=math.radians(view))) for view in _VIEWS
+        ],
     }
     for name, make in _ALONE.items():
         sets[name] = [Row(name, make(1.0)), Row(f"{name}_2x", make(2.0))]
@@ -94,6 +106,7 @@ def rows() -> dict[str, list[Row]]:
     sets["zero_twist"] = [Row("zero_twist", changed(kinematic(), "encoders", zero_twist=True))]
     alone = [*_ALONE, "camera_rate", "odometry_rate", "zero_twist"]
     single = {row.name: [row] for members in sets.values() for row in members if row.name not in sets}
+    single |= {f"{name}_1x": sets[name][:1] for name in _ALONE}
     return {**sets, **single, "effects": [row for name in alone for row in sets[name]]}
 
 

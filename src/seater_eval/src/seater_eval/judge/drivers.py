@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.se2 import compose, inverse, wrap_angle
-from seater_eval.judge.parts import Files, fresh_controller, shared_navigator
+from seater_eval.judge.parts import Files, Kept
 from seater_eval.judge.plant.chair import IndependentChair
 from seater_nmpc.observe.measurement import Hypothesis
 from seater_nmpc.observe.observer import DockObserver
@@ -47,7 +47,7 @@ class SequenceDriver:
     """DockingSequence, DockObserver, DockingController and Navigator, a cycle at the first odometry of each period."""
 
     files: Files
-    config: str
+    kept: Kept
     parameters: NmpcParameters
     prior: Array | None = None  # rough pose of the dock in odom
     result: Result | None = None
@@ -55,9 +55,9 @@ class SequenceDriver:
 
     def __post_init__(self) -> None:
         parameters, chair = self.parameters, self.files.chair
-        controller = fresh_controller(self.config, parameters.control)
+        controller = self.kept.controller(parameters.control)
         self.observer = DockObserver(chair.camera, parameters.observer)
-        navigator = shared_navigator(self.config, parameters)
+        navigator = self.kept.navigator(parameters)
         self._sequence = DockingSequence(
             chair, self.files.dock, controller, self.observer, parameters.sequence, navigator=navigator
         )
@@ -103,13 +103,13 @@ class ClassDriver:
     """DockingController.command with the true pose and speeds."""
 
     files: Files
-    config: str
+    kept: Kept
     parameters: NmpcParameters
     result: Result | None = None
     estimates: list[list[float]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self._controller = fresh_controller(self.config, self.parameters.control)
+        self._controller = self.kept.controller(self.parameters.control)
         self._begin: float | None = None
         self._cycles = 0
 

@@ -13,7 +13,7 @@ from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError, load
 from seater_eval.run.config_files import load_chair, load_dock
 from seater_nmpc.control.controller import DockingController
-from seater_nmpc.parameters import ControlParameters, NmpcParameters
+from seater_nmpc.parameters import ControlParameters, NmpcParameters, Prediction
 from seater_nmpc.plan.navigator import Navigator
 
 
@@ -26,13 +26,18 @@ class Files:
     parameters: NmpcParameters
 
 
-@functools.lru_cache(maxsize=2)
-def load_files(config: str) -> Files:
-    """Raises ParameterError, naming file and key; only a dock that is entered forward is judged."""
+@functools.lru_cache(maxsize=4)
+def load_files(config: str, markers: int = 0) -> Files:
+    """`markers`: so many of the dock's, the first ones; 0: all. Only a dock that is entered forward is judged.
+
+    Raises ParameterError, naming file and key.
+    """
     folder = Path(config)
     dock = load_dock(folder / "docks" / "default.yaml")
     if dock.direction != "forward":
         raise ParameterError(f"{config}/docks/default.yaml: direction: is {dock.direction!r}, must be 'forward' here")
+    if markers:
+        dock = dataclasses.replace(dock, markers=dock.markers[:markers])
     try:
         values = yaml.safe_load((folder / "controller.yaml").read_text())
     except (OSError, yaml.YAMLError) as error:
@@ -40,32 +45,39 @@ def load_files(config: str) -> Files:
     return Files(load_chair(folder / "chair.yaml"), dock, load(NmpcParameters, values, "controller"))
 
 
+class Kept:
+    """Controllers and navigators, which take a second to make, for later runs of this process with the same parts."""
+
+    def __init__(self, files: Files) -> None:
+        self._files = files
+        self._controllers: dict[ControlParameters, DockingController] = {}
+        self._navigators: dict[NmpcParameters, Navigator] = {}
+
+    def controller(self, control: ControlParameters) -> DockingController:
+        """As at the start of a program."""
+        if control not in self._controllers:
+            self._controllers.clear()  # most runs are told something else: one is enough
+            made = DockingController(self._files.chair, self._files.dock, control, deterministic=True)
+            made.warm_up()
+            self._controllers[control] = made
+        controller = self._controllers[control]
+        controller.reset()
+        controller.reset_commands()
+        controller.set_obstacles([])
+        return controller
+
+    def navigator(self, parameters: NmpcParameters) -> Navigator:
+        """Its search does not depend on the prediction."""
+        control = dataclasses.replace(parameters.control, prediction=Prediction())
+        key = NmpcParameters(control=control, planner=parameters.planner)
+        if key not in self._navigators:
+            made = Navigator(self._files.chair, self._files.dock, control, parameters.planner)
+            made.prepare()
+            self._navigators[key] = made
+        return self._navigators[key]
+
+
 @functools.lru_cache(maxsize=4)
-def _controller(config: str, control: ControlParameters) -> DockingController:
-    files = load_files(config)
-    controller = DockingController(files.chair, files.dock, control, deterministic=True)
-    controller.warm_up()
-    return controller
-
-
-def fresh_controller(config: str, control: ControlParameters) -> DockingController:
-    """The controller with these parameters, as at the start of a program. Building one takes a second; it is kept."""
-    controller = _controller(config, control)
-    controller.reset()
-    controller.reset_commands()
-    controller.set_obstacles([])
-    return controller
-
-
-def shared_navigator(config: str, parameters: NmpcParameters) -> Navigator:
-    """One search for all runs: it does not depend on the prediction."""
-    control = dataclasses.replace(parameters.control, prediction=type(parameters.control.prediction)())
-    return _navigator(config, dataclasses.replace(parameters, control=control))
-
-
-@functools.lru_cache(maxsize=2)
-def _navigator(config: str, parameters: NmpcParameters) -> Navigator:
-    files = load_files(config)
-    navigator = Navigator(files.chair, files.dock, parameters.control, parameters.planner)
-    navigator.prepare()
-    return navigator
+def kept(config: str, markers: int = 0) -> Kept:
+    """That of this process for these files."""
+    return Kept(load_files(config, markers))

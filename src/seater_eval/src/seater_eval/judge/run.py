@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from seater_common.se2 import compose, inverse
 from seater_eval.judge.cases import Row, draw_start
 from seater_eval.judge.drivers import ClassDriver, Driver, SequenceDriver
-from seater_eval.judge.parts import load_files
+from seater_eval.judge.parts import kept, load_files
 from seater_eval.judge.plant.built import draw_built
 from seater_eval.judge.plant.camera import DockCamera
 from seater_eval.judge.plant.chair import STEP, IndependentChair
@@ -30,6 +30,7 @@ _BEGIN = 10.0  # [s] clock at the start
 _LONGEST = {"sequence": 170.0, "class": 60.0}  # [s]
 _AFTER = 1.5  # [s] that a run goes on after its result: whatever moves then counts
 _IDLE = 5.0  # [s] without motion after which a run of the class is over
+_STANDING = 1e-4  # [m/s, rad/s] up to here: slower than the verdict's own bound for standing
 _CRASHED = -0.05  # [m] so deep in a wall, a run is over
 _PRIOR = (0.3, math.radians(10.0))  # [m, rad] the rough pose is off by up to this
 _NEES_95 = 7.81  # 95 % of chi-square with 3 degrees of freedom
@@ -69,7 +70,7 @@ def run(job: Job) -> tuple[dict[str, Any], Log]:
     log, driver = loop.log(), loop.driver
     result = driver.result
     succeeded = None if job.driver == "class" else result is not None and result.success
-    files = load_files(job.config)
+    files = load_files(job.config, job.row.markers)
     code = "TIMEOUT" if result is None else result.code.name
     values = {
         "row": job.row.name,
@@ -92,7 +93,7 @@ class _Loop:
 
     def __init__(self, job: Job) -> None:
         self._job, effects = job, job.row.effects
-        files = load_files(job.config)
+        files = load_files(job.config, job.row.markers)
         self._files = files
         streams = [np.random.default_rng([job.seed, stream]) for stream in range(6)]
         camera = DockCamera(files.chair, files.dock, effects.pictures, streams[0])
@@ -109,17 +110,18 @@ class _Loop:
 
     def _make_driver(self, rng: np.random.Generator) -> Driver:
         job, base = self._job, self._files.parameters
+        tools = kept(job.config, job.row.markers)
         if job.driver == "class":  # its defaults, not those of the files
             base = NmpcParameters(control=ControlParameters())
         parameters = told_parameters(base, job.told, job.row.effects, self.built)
         if job.driver == "class":
-            return ClassDriver(self._files, job.config, parameters)
+            return ClassDriver(self._files, tools, parameters)
         prior = None
         way, direction, turn = rng.uniform(0.0, _PRIOR[0]), rng.uniform(-math.pi, math.pi), rng.uniform(-1.0, 1.0)
         if job.row.starts != "front":
             prior = compose(_ORIGIN, inverse(self.start))
             prior = prior + [way * math.cos(direction), way * math.sin(direction), turn * _PRIOR[1]]
-        return SequenceDriver(self._files, job.config, parameters, prior)
+        return SequenceDriver(self._files, tools, parameters, prior)
 
     def drive(self) -> None:
         """Until the driver has ended, the chair has crashed, or time is over."""
@@ -131,7 +133,7 @@ class _Loop:
             self._rows.append([now, chair.x, chair.y, chair.heading, chair.v, chair.omega])
             if self.driver.result is not None and ended == math.inf:
                 ended = now
-            if chair.v != 0.0 or chair.omega != 0.0:
+            if max(abs(chair.v), abs(chair.omega)) > _STANDING:
                 moved = now
             idle = self._job.driver == "class" and now - moved > _IDLE
             if now - _BEGIN >= _LONGEST[self._job.driver] or now - ended >= _AFTER or idle:

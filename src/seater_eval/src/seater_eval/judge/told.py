@@ -14,6 +14,7 @@ T = TypeVar("T")
 
 TOLD = ("nothing", "delay_lag", "all")
 _UNIFORM = 1.0 / math.sqrt(3.0)  # standard deviation over largest value, of what is drawn evenly from -max to max
+_PATCH_SHARE, _PATCH_LENGTH = 0.25, 0.4  # of the way; [m]
 _REST = 0.003  # [-] what identification leaves of a constant error
 
 
@@ -42,7 +43,11 @@ def told_parameters(parameters: NmpcParameters, told: str, effects: Effects, bui
 
 def odometry_errors(effects: Effects, built: Built, means: bool) -> dict[str, float]:
     """Keys of the observer. `means`: the constant errors are told as such, and deviations are of what changes on the
-    way; else the deviations cover both."""
+    way; else the deviations cover both.
+
+    Patches are a random walk as well: of those with half the largest slip that cover a share of the way, a length each,
+    the way is off by slip * sqrt(share * length) after a metre; as much between the wheels turns the chair.
+    """
     floor = effects.floor
     patches = 0.5 * floor.patch_slip
     constant = (floor.slip * _UNIFORM, floor.radius)
@@ -50,6 +55,7 @@ def odometry_errors(effects: Effects, built: Built, means: bool) -> dict[str, fl
     turn_sd = math.hypot(_REST, patches) if means else math.hypot(patches, floor.track, *constant)
     drift = 0.5 * patches / TRACK  # one wheel on a patch now and then
     drift_sd = math.hypot(_REST, drift) if means else math.hypot(0.005, drift, math.sqrt(2.0) * floor.radius / TRACK)
+    walk = patches * math.sqrt(_PATCH_SHARE * _PATCH_LENGTH)
     left, right = (
         (1.0 + radius) * (1.0 - slip) for radius, slip in zip(built.radius, built.slip, strict=True)
     )  # ground speed over what the encoder says
@@ -57,6 +63,9 @@ def odometry_errors(effects: Effects, built: Built, means: bool) -> dict[str, fl
         "scale_sd": scale_sd,
         "heading_scale_sd": turn_sd,
         "heading_drift_sd": drift_sd,
+        "distance_noise": math.hypot(0.002, walk),
+        "heading_noise": math.hypot(0.002, walk / TRACK),
+        "turn_noise": math.hypot(0.004, walk),
         "odometry_scale": 2.0 / (left + right) - 1.0,
         "odometry_heading_scale": 2.0 * (1.0 + built.track) / (left + right) - 1.0,
         "odometry_heading_drift": -(right - left) / (0.5 * (left + right)) / TRACK,

@@ -20,6 +20,7 @@ _MOVED = (1e-4, 1e-4)  # [m, rad] more than this within that time is motion
 _REVERSAL = 0.005  # [m/s] speeds up to this have no direction
 _TURNING = 0.02  # [rad/s] nor have these
 _LASTING = 0.2  # [s] turning to one side for less than this is no turn
+_CREEP = 1e-3  # [m/s, rad/s] up to here a chair is taken to stand while it drives
 _CUT_OFF = 5.0  # [Hz] low-pass ahead of acceleration and jerk: 2nd-order Butterworth, forward and backward
 
 
@@ -56,6 +57,7 @@ def judge(motion: Motion, chair: Chair, dock: Dock, succeeded: bool | None) -> d
         "heading_error_deg": math.degrees(error),
         "reversals": sign_changes(motion.speeds[:, 0], _REVERSAL),
         "turn_changes": sign_changes(motion.speeds[:, 1], _TURNING, round(_LASTING / motion.step)),
+        "moved_m": float(np.hypot(*np.diff(motion.poses[:, :2], axis=0).T).sum()),
         "time_s": _time_until_rest(motion),
         **_comfort(motion),
     }
@@ -84,14 +86,15 @@ def smallest_gap(poses: Array, chair: Chair, dock: Dock) -> float:
     For polygons that are apart it is at most their distance (two corners opposite each other are farther).
     """
     walls = [np.asarray(wall) for wall in dock.bay.outlines()]
-    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    x, y, heading = np.array(poses.T, order="C")  # sines of a strided array may differ in the last bit
+    c, s = np.cos(heading), np.sin(heading)
     own = np.array(
         [(x, y) for x in (-chair.length_rear, chair.length_front) for y in (-0.5 * chair.width, 0.5 * chair.width)]
     )
     corners = np.stack(  # (n, 4, 2)
         [
-            poses[:, :1] + np.outer(c, own[:, 0]) - np.outer(s, own[:, 1]),
-            poses[:, 1:2] + np.outer(s, own[:, 0]) + np.outer(c, own[:, 1]),
+            x[:, None] + np.outer(c, own[:, 0]) - np.outer(s, own[:, 1]),
+            y[:, None] + np.outer(s, own[:, 0]) + np.outer(c, own[:, 1]),
         ],
         axis=2,
     )
@@ -112,8 +115,8 @@ def _separation(corners: Array, wall: Array, c: Array, s: Array) -> Array:
 
 
 def _time_until_rest(motion: Motion) -> float:
-    """From the start until the last motion [s]."""
-    moving = np.flatnonzero(np.abs(motion.speeds).max(axis=1) > 0.0)
+    """From the start until the last motion that anyone would notice [s]."""
+    moving = np.flatnonzero(np.abs(motion.speeds).max(axis=1) > _CREEP)
     return float(motion.times[moving[-1]] - motion.times[0]) if len(moving) else 0.0
 
 

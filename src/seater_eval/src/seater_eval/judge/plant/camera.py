@@ -26,6 +26,10 @@ _ROTATION = (0.002, 0.003)  # + per metre
 _OUTLIER_WAY, _OUTLIER_TURN = (0.03, 0.5), (2.0, 15.0)  # [m], [deg]: ranges, drawn evenly in the logarithm
 _FLIP_ALONE = 0.3  # share of flips that come instead of the right pose, not beside it
 _RIGHT_WEIGHT = (0.35, 0.95)  # range of the right pose's weight beside a flip
+# Logarithm of the right pose's odds over its flip where every image is ambiguous: mean and deviation of what is the
+# same in all images of a run (light, print), deviation of what differs, and what the perspective tells at the steepest
+# view from one metre.
+_ODDS_OF_RUN, _ODDS_OF_IMAGE, _ODDS_OF_VIEW = (0.3, 0.8), 0.7, 8.0
 
 
 class DockCamera:
@@ -33,6 +37,7 @@ class DockCamera:
 
     def __init__(self, chair: Chair, dock: Dock, pictures: Pictures, rng: np.random.Generator) -> None:
         self._pictures, self._rng = pictures, rng
+        self._odds = rng.normal(*_ODDS_OF_RUN)
         self._mount = (chair.camera.x, chair.camera.y, chair.camera.yaw)
         self._T_optical_base = np.linalg.inv(chair.camera.T_base_optical())
         self._markers = dock.markers
@@ -55,16 +60,24 @@ class DockCamera:
         if chances[0] < self._pictures.outliers:
             return [self._hypothesis(self._far_off(T_base_dock), centre, sds)]
         right = self._hypothesis(T_base_dock, centre, sds)
-        if chances[1] >= self._pictures.flips:
+        if chances[1] >= self._pictures.flips and not self._pictures.ambiguous:
             return [right]
-        flipped = self._hypothesis(self._mirrored(T_base_dock, centre, markers[0]), centre, sds)
-        if self._rng.uniform() < _FLIP_ALONE:
+        mirrored = self._mirrored(T_base_dock, centre, markers[0])
+        flipped = self._hypothesis(mirrored, centre, sds)
+        if not self._pictures.ambiguous and self._rng.uniform() < _FLIP_ALONE:
             return [flipped]
-        weight = self._rng.uniform(*_RIGHT_WEIGHT)
+        weight = self._right_weight(math.dist(compose(pose, self._mount)[:2], centre[:2]), mirrored[2] - T_base_dock[2])
         return [
             Hypothesis(right.T_optical_dock, right.covariance, weight),
             Hypothesis(flipped.T_optical_dock, flipped.covariance, 1.0 - weight),
         ]
+
+    def _right_weight(self, distance: float, turn: float) -> float:
+        """Of the right pose beside one that is turned by `turn` [rad], at this distance [m]."""
+        if not self._pictures.ambiguous:
+            return float(self._rng.uniform(*_RIGHT_WEIGHT))
+        odds = self._odds + self._rng.normal(0.0, _ODDS_OF_IMAGE) + _ODDS_OF_VIEW * abs(math.sin(0.5 * turn)) / distance
+        return min(0.99, max(0.01, 1.0 / (1.0 + math.exp(-odds))))
 
     def _sees(self, eye: Array, marker: Marker) -> bool:
         x, y = marker.position[:2]

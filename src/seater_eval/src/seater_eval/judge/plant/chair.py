@@ -19,6 +19,7 @@ _GRAVITY = 9.81  # [m/s^2]
 _GIVES_WAY = 0.05  # [s] speed lost per acceleration
 _TURNS_DOWN = 0.1  # [s^2/m^2] turn per metre and acceleration
 _ROLLING = 0.05  # [m/s] below this speed friction takes more and more of the slope's pull
+_RELAXATION = 0.05  # [m] of way on which a wheel's slip follows the floor (a tyre's relaxation length)
 _THROUGH_WHEELS = 0.5  # share of the castors' push that turns the wheels, so that the encoders see it; the rest skids
 
 
@@ -34,6 +35,7 @@ class IndependentChair:
         self._castors = Castors(effects.floor.castor_omega, effects.floor.castor_v, built.castor_side)
         self.x, self.y, self.heading = start
         self.v = self.omega = 0.0  # [m/s, rad/s] over the last step
+        self._slips = [self._floor_slip(0.5 * TRACK, 0), self._floor_slip(-0.5 * TRACK, 1)]
         self.rolled = [0.0, 0.0]  # [m] left, right, as a wheel of nominal radius would have
 
     def command(self, now: float, v: float, omega: float) -> None:
@@ -52,9 +54,8 @@ class IndependentChair:
         right = (v + half * omega) * built.strength[1]
         self.rolled[0] += left * STEP
         self.rolled[1] += right * STEP
-        slip_left, slip_right = self._slip(half, 0), self._slip(-half, 1)
-        left *= (1.0 + built.radius[0]) * (1.0 - slip_left)
-        right *= (1.0 + built.radius[1]) * (1.0 - slip_right)
+        left *= (1.0 + built.radius[0]) * (1.0 - self._slip(half, 0, left))
+        right *= (1.0 + built.radius[1]) * (1.0 - self._slip(-half, 1, right))
         self.v = 0.5 * (left + right) + (1.0 - _THROUGH_WHEELS) * push_v
         self.omega = (right - left) / (TRACK * (1.0 + built.track)) + (1.0 - _THROUGH_WHEELS) * push_omega
         middle = self.heading + 0.5 * self.omega * STEP
@@ -70,8 +71,15 @@ class IndependentChair:
         rolling = min(1.0, abs(v) / _ROLLING)
         return -_GIVES_WAY * _GRAVITY * along * rolling, -_TURNS_DOWN * _GRAVITY * across * abs(v)
 
-    def _slip(self, left: float, wheel: int) -> float:
-        """Of a wheel that stands `left` [m] of the axle's middle."""
+    def _slip(self, left: float, wheel: int, speed: float) -> float:
+        """Of a wheel that rolls with `speed` [m/s]; see _floor_slip."""
+        now, floor = self._slips[wheel], self._floor_slip(left, wheel)
+        if now != floor:
+            self._slips[wheel] = floor + (now - floor) * math.exp(-abs(speed) * STEP / _RELAXATION)
+        return self._slips[wheel]
+
+    def _floor_slip(self, left: float, wheel: int) -> float:
+        """Where it has come to rest, of a wheel that stands `left` [m] of the axle's middle."""
         x, y = self.x - left * math.sin(self.heading), self.y + left * math.cos(self.heading)
         for patch in self._built.patches:
             if (x - patch.x) ** 2 + (y - patch.y) ** 2 < patch.radius**2:

@@ -70,9 +70,7 @@ class Motors:
         """Sent at `now` [s]."""
         jitter = self._drive.delay_jitter
         at = now + self._drive.delay + (self._rng.uniform(0.0, jitter) if jitter > 0.0 else 0.0)
-        if self._on_the_way:
-            at = max(at, self._on_the_way[-1][0])
-        self._on_the_way.append((at, v, omega))
+        self._on_the_way.append((at, v, omega))  # a queue: none overtakes the one before it
 
     def step(self, now: float, duration: float) -> tuple[float, float]:
         """(v [m/s], omega [rad/s]) that the wheels are driven with, at the end of a step that begins at `now`."""

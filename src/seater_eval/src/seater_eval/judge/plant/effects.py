@@ -49,6 +49,7 @@ class Encoders:
 
     rate: float = 50.0  # [Hz]
     jitter: float = 0.0  # [s] each message comes later by up to this; its stamp is true
+    ordered: bool = True  # false: messages may overtake each other
     tick: float = 1e-4  # [m] of rolling per encoder step (a geared motor's encoder)
     zero_twist: bool = False  # the messages say nothing of speeds
     gyro_bias: float = 0.0  # [rad/s] added to the turning rate that is told
@@ -64,6 +65,7 @@ class Pictures:
     view: float = math.radians(90.0)  # [rad] horizontal field of view
     outliers: float = 0.03  # share of images whose pose is far off
     flips: float = 0.05  # share of images that offer the pose mirrored about the line of sight
+    ambiguous: bool = False  # every image leaves both poses open, as a single marker's may
     noise: float = 1.0  # times the standard deviations of camera.py; 0: exact, but told as at 1
 
 

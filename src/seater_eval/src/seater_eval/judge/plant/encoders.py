@@ -29,7 +29,7 @@ class WheelOdometry:
         self._ticks = [0, 0]
         self._past: deque[tuple[float, float, float]] = deque()  # time, way and turn until then
         self._way = self._turn = 0.0
-        self._on_the_way: deque[tuple[float, Odometry]] = deque()
+        self._on_the_way: list[tuple[float, Odometry]] = []  # with the time of arrival
 
     def look(self, now: float, rolled: list[float]) -> None:
         """The wheels have `rolled` so far [m]: a sample is taken when it is time."""
@@ -38,15 +38,14 @@ class WheelOdometry:
         self._count += 1
         self._advance(now, rolled)
         late = self._rng.uniform(0.0, self._settings.jitter) if self._settings.jitter > 0.0 else 0.0
-        at = max([now + late, *(arrival for arrival, _ in self._on_the_way)])
-        self._on_the_way.append((at, self._message(now)))
+        before = [arrival for arrival, _ in self._on_the_way] if self._settings.ordered else []
+        self._on_the_way.append((max([now + late, *before]), self._message(now)))
 
     def messages(self, now: float) -> list[Odometry]:
-        """Those that have arrived by `now` [s] since the last call."""
-        arrived = []
-        while self._on_the_way and self._on_the_way[0][0] <= now + _EPSILON:
-            arrived.append(self._on_the_way.popleft()[1])
-        return arrived
+        """Those that have arrived by `now` [s] since the last call, in the order of their arrival."""
+        arrived = sorted((e for e in self._on_the_way if e[0] <= now + _EPSILON), key=lambda entry: entry[0])
+        self._on_the_way = [entry for entry in self._on_the_way if entry[0] > now + _EPSILON]
+        return [message for _, message in arrived]
 
     def _advance(self, now: float, rolled: list[float]) -> None:
         tick = self._settings.tick
