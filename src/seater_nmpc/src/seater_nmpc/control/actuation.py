@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import math
+
 from seater_common.geometry import Chair
 from seater_nmpc.control.limits import clamp
+from seater_nmpc.drive.curvature import CurvatureEstimator
 from seater_nmpc.drive.modulator import Modulator
 from seater_nmpc.drive.response import Expected, ResponseEstimator, better
 from seater_nmpc.observe.prediction import CommandHistory
 
 _SPEED = Expected(widths=(0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.055), typical=0.02, noise=0.006)  # [m/s]
 _TURNING = Expected(widths=(0.01, 0.015, 0.02, 0.03, 0.04, 0.05, 0.065, 0.085, 0.11), typical=0.04, noise=0.012)
+_MARGIN = 6.0  # in log likelihood, by which another delay or lag has to be ahead
+_RESPONSE = 0.4  # [s] beyond the delay, in which a command can be seen to act
+_DRIVING = 0.04  # [m/s] from which on the chair drives rather than turns on the spot
 _SLOWLY = 0.1  # [s/s] by which delay and lags are changed
 
 
@@ -26,7 +32,9 @@ class Actuation:
         self._delay = self._estimate_v.delays.index(history.delay)  # these are believed in
         self._lag_v = self._estimate_v.lags.index(drive.lag_v)
         self._lag_omega = self._estimate_omega.lags.index(drive.lag_omega)
+        self._curvature = CurvatureEstimator()
         self._stamp: float | None = None
+        self._planned = -math.inf  # when a command of a plan was sent last
 
     def restart(self) -> None:
         """As at a goal's beginning: nothing is owed, whatever was sent. What was learned stays."""
@@ -44,35 +52,57 @@ class Actuation:
         before, self._stamp = self._stamp, stamp
         if before is None or not self._adapt:
             return
-        self._estimate_v.add(before, stamp, lambda start, end: self._sent.mean(start, end)[0], v)
-        self._estimate_omega.add(before, stamp, lambda start, end: self._sent.mean(start, end)[1], omega)
-        self._learn(stamp - before)
+        duration, planned = stamp - before, stamp - self._planned <= self._history.delay + _RESPONSE
+        sent, curvature = self._sent, self._history.drive.curvature
+        self._estimate_v.add(before, stamp, lambda start, end: sent.mean(start, end)[0], v, learn=planned)
+        self._estimate_omega.add(
+            before,
+            stamp,
+            lambda start, end: sent.mean(start, end)[1],
+            omega - curvature * v,
+            learn=planned and abs(v) >= _DRIVING,  # castors that turn on the spot hold against it
+        )
+        self._learn(duration)
+        if abs(v) >= _DRIVING:
+            self._curvature.add(self._estimate_omega.difference(self._delay, self._lag_omega), v, duration)
+            self._history.drive.curvature = self._curvature.value
 
     def _learn(self, duration: float) -> None:
         """Deadbands at once, times slowly: the plan rests on them."""
         v, omega, drive, most = self._estimate_v, self._estimate_omega, self._history.drive, _SLOWLY * duration
         drive.v, drive.omega = v.drive, omega.drive
-        self._delay = better(v.delay_costs() + omega.delay_costs(), self._delay)
-        self._lag_v = better(v.lag_costs(self._delay), self._lag_v)
-        self._lag_omega = better(omega.lag_costs(self._delay), self._lag_omega)
+        self._delay = better(v.delay_costs() + omega.delay_costs(), self._delay, _MARGIN)
+        self._lag_v = better(v.lag_costs(self._delay), self._lag_v, _MARGIN)
+        self._lag_omega = better(omega.lag_costs(self._delay), self._lag_omega, _MARGIN)
         self._history.delay = _nearer(self._history.delay, v.delays[self._delay], most)
         drive.lag_v = _nearer(drive.lag_v, v.lags[self._lag_v], most)
         drive.lag_omega = _nearer(drive.lag_omega, omega.lags[self._lag_omega], most)
 
     def send(
-        self, stamp: float, wanted: tuple[float, float], before: tuple[float, float], period: float, slow: bool
+        self,
+        stamp: float,
+        wanted: tuple[float, float],
+        before: tuple[float, float],
+        period: float,
+        slow: bool,
+        *,
+        planned: bool = True,
     ) -> tuple[float, float]:
         """The command that brings about the `wanted` speeds from `stamp` on; noted as sent.
 
         `before`: the speeds that count as the last command where none was sent. `slow`: the bay's limit holds.
+        `planned`: part of a plan; what the chair makes of other commands is not learned from.
         """
         drive = self._history.drive
+        turning = wanted[1] - drive.curvature * wanted[0] if wanted[1] != 0.0 or planned else 0.0
         v = self._v.command(wanted[0], drive.v, period, steady=True)
-        omega = self._omega.command(wanted[1], drive.omega, period, steady=False)
+        omega = self._omega.command(turning, drive.omega, period, steady=False)
         v, omega = clamp(self._chair, v, omega, self._sent.last or before, period, slow)
         self._v.sent(v, drive.v, period)
         self._omega.sent(omega, drive.omega, period)
         self._history.sent(stamp, v, omega, wanted)
+        if planned:
+            self._planned = stamp
         return v, omega
 
 

@@ -195,7 +195,7 @@ class DockingController:
         self._measure_period(stamp)
         if self._begins:
             self._begin()
-        v, omega = self._actuation.send(stamp, (v, omega), velocity, self._period, True)
+        v, omega = self._actuation.send(stamp, (v, omega), velocity, self._period, True, planned=False)
         return Command(v=v, omega=omega)
 
     def rest_pose(self, stamp: float, vehicle_pose: ArrayLike, velocity: tuple[float, float]) -> Array:

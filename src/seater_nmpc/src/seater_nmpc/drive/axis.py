@@ -52,6 +52,7 @@ class ChairDrive:
     omega: AxisDrive
     lag_v: float  # [s] first-order time constants
     lag_omega: float
+    curvature: float = 0.0  # [rad/m] that it turns by itself, as learned
 
 
 def configured(prediction: Prediction) -> ChairDrive:

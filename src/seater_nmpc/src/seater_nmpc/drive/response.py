@@ -60,12 +60,20 @@ class ResponseEstimator:
     def restart(self) -> None:
         """The chair stands, nothing acts; what was learned stays."""
         self._speed = np.zeros_like(self._cost)
-        self._measured, self._predicted, self._time = 0.0, np.zeros_like(self._cost), 0.0
+        self._difference = np.zeros_like(self._cost)
+        self._begin_window()
+
+    def _begin_window(self) -> None:
+        self._measured, self._predicted, self._time, self._learn = 0.0, np.zeros_like(self._cost), 0.0, True
 
     @property
     def drive(self) -> AxisDrive:
         """The deadband that is believed in."""
         return self._drives[self._drive]
+
+    def difference(self, delay: int, lag: int) -> float:
+        """Measured less expected speed in the last window, for a delay and a lag (indices)."""
+        return float(self._difference[delay, lag, self._drive])
 
     def delay_costs(self) -> Array:
         """How badly each of `delays` explains what was measured, as a negative log likelihood."""
@@ -75,13 +83,16 @@ class ResponseEstimator:
         """The same of each of `lags`, given a delay (an index)."""
         return np.asarray(self._cost[delay].min(axis=1))
 
-    def add(self, start: float, end: float, commanded: Callable[[float, float], float], measured: float) -> None:
+    def add(
+        self, start: float, end: float, commanded: Callable[[float, float], float], measured: float, *, learn: bool
+    ) -> None:
         """`measured` was the speed between two times [s]; `commanded(start, end)`: mean of what was sent between two
-        times, whenever it acts."""
+        times, whenever it acts. `learn`: whether it says something about the motors."""
         duration = end - start
         if duration > _GAP or abs(measured) > _FASTEST:
             self.restart()
             return
+        self._learn = self._learn and learn
         commands = np.array([commanded(start - delay, end - delay) for delay in self.delays])[:, None, None]
         self._predicted += duration * self._advance(duration, commands)
         self._measured += duration * measured
@@ -100,11 +111,13 @@ class ResponseEstimator:
         return np.asarray(target + away * (1.0 - decay) * self._lag / duration)
 
     def _compare(self) -> None:
-        residual = (self._measured - self._predicted) / (self._time * self._noise)
-        self._cost += np.log1p(residual * residual)
-        self._cost = np.minimum(self._cost - self._cost.min(), _MOST + self._prior)
-        self._measured, self._predicted, self._time = 0.0, np.zeros_like(self._cost), 0.0
-        self._drive = better(self._cost.min(axis=(0, 1)), self._drive)
+        self._difference = (self._measured - self._predicted) / self._time
+        if self._learn:
+            residual = self._difference / self._noise
+            self._cost += np.log1p(residual * residual)
+            self._cost = np.minimum(self._cost - self._cost.min(), _MOST + self._prior)
+            self._drive = better(self._cost.min(axis=(0, 1)), self._drive, _MARGIN)
+        self._begin_window()
 
 
 def _deadbands(configured: AxisDrive, expected: Expected) -> list[AxisDrive]:
@@ -121,7 +134,7 @@ def _prior(drives: list[AxisDrive], expected: Expected) -> Array:
     return np.asarray(prior)
 
 
-def better(costs: Array, believed: int) -> int:
+def better(costs: Array, believed: int, margin: float) -> int:
     """The cheapest, if it is ahead of the believed one by the margin; else that."""
     best = int(np.argmin(costs))
-    return best if costs[best] < costs[believed] - _MARGIN else believed
+    return best if costs[best] < costs[believed] - margin else believed

@@ -142,7 +142,7 @@ class CommandView:
             step = min([end - time, _SUBSTEP, *(stamp - began for stamp in changes)])
             acting = _last(commands, began)
             v, mean_v = _follow(v, None if acting is None else drive.v.effective(acting.v), step, drive.lag_v)
-            asked = None if acting is None else drive.omega.effective(acting.omega)
+            asked = None if acting is None else drive.omega.effective(acting.omega) + drive.curvature * v
             omega, mean_omega = _follow(omega, asked, step, drive.lag_omega)
             pose = arc_step(pose, mean_v, mean_omega, step)
             time += step

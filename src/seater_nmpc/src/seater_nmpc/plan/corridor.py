@@ -31,8 +31,8 @@ class Corridor:
         return float(pose[0]) > self._gate_x and not self.contains(pose)
 
 
-_STRAIGHT_FROM, _STRAIGHT = -0.5, -0.25  # [m] along the dock's axis: from where on the way becomes straight, and is so
-_LATERAL = 0.003  # [m] lateral error that is not worth a turn on the last stretch
+_STRAIGHT_FROM, _STRAIGHT = -0.35, -0.12  # [m] along the dock's axis: from where on the way becomes straight, and is so
+_LATERAL = 0.002  # [m] lateral error that is not worth a turn on the last stretch
 
 
 def straight_in(pose: Array) -> Array:

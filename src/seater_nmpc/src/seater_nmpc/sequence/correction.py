@@ -40,11 +40,12 @@ def judge(error: Array, moves: int, parameters: SequenceParameters) -> Verdict:
     """
     p = parameters
     x, y, heading = (abs(float(value)) for value in error)
+    beyond = error[0] > 0.0  # driving back would turn the castors round: only where it must be
     if y > p.release_position or heading > _LARGEST_TURN:
         return Verdict.AGAIN
     if moves < p.max_moves and heading > p.hold_heading:
         return Verdict.TURN
-    if moves < p.max_moves and x > p.hold_position:
+    if moves < p.max_moves and x > (p.release_position if beyond else p.hold_position):
         return Verdict.MOVE
     inside = math.hypot(x, y) <= p.release_position and heading <= p.release_heading
     return Verdict.STAY if inside else Verdict.AGAIN
