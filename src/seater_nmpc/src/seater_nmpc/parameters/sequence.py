@@ -29,6 +29,9 @@ class SequenceParameters:
     timeouts: Timeouts = field(default_factory=Timeouts)
     max_start_distance: float = param(6.0, "m", "largest distance of the dock at the start", low=0.5, high=50.0)
     max_retries: int = param(2, "", "times the chair backs out and tries again", low=0, high=20)
+    retry_distance: float = param(
+        0.7, "m", "how far it backs out then, if it stands nearly right (at most to predock_x)", low=0.1, high=5.0
+    )
     gate_distance: float = param(
         0.10, "m", "distance before the bay at which the corridor decides on a retry", low=0.0, high=2.0
     )
@@ -41,12 +44,12 @@ class SequenceParameters:
     hold_position: float = param(
         0.003, "m", "error along the dock's axis up to which the standing chair stays", low=0.0001, high=0.1
     )
-    hold_heading: float = param(0.006, "rad", "the same for the heading error", low=0.0001, high=0.2)
+    hold_heading: float = param(0.009, "rad", "the same for the heading error", low=0.0001, high=0.2)
     release_position: float = param(
         0.008, "m", "distance beyond which small moves do not help any more", low=0.0002, high=0.2
     )
     release_heading: float = param(0.014, "rad", "heading error beyond which the chair does not stay", low=0.0002, high=0.4)
-    max_moves: int = param(4, "", "small moves on the spot before the chair stays or tries again", low=0, high=20)
+    max_moves: int = param(6, "", "small moves on the spot before the chair stays or tries again", low=0, high=20)
     move_measurements: int = param(3, "", "fresh measurements averaged before a small move", low=1, high=100)
     settle_time: float = param(
         1.5, "s", "time within the release zone that stops the chair as well", low=0.1, high=30.0

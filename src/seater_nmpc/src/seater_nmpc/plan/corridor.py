@@ -31,8 +31,8 @@ class Corridor:
         return float(pose[0]) > self._gate_x and not self.contains(pose)
 
 
-_STRAIGHT_FROM, _STRAIGHT = -0.35, -0.12  # [m] along the dock's axis: from where on the way becomes straight, and is so
-_LATERAL = 0.002  # [m] lateral error that is not worth a turn on the last stretch
+# How much lateral error [m] is left as it is, at these places along the dock's axis [m].
+_STRAIGHT_AT, _STRAIGHT_BAND = (-0.45, -0.30, -0.15), (0.0, 0.001, 0.005)
 
 
 def straight_in(pose: Array) -> Array:
@@ -40,5 +40,5 @@ def straight_in(pose: Array) -> Array:
 
     Mending the last millimetres there would end in a heading error: turning needs way, and there is none left.
     """
-    straight = min(max((float(pose[0]) - _STRAIGHT_FROM) / (_STRAIGHT - _STRAIGHT_FROM), 0.0), 1.0)
-    return np.array([0.0, straight * min(max(float(pose[1]), -_LATERAL), _LATERAL), 0.0])
+    band = float(np.interp(pose[0], _STRAIGHT_AT, _STRAIGHT_BAND))
+    return np.array([0.0, min(max(float(pose[1]), -band), band), 0.0])

@@ -1,72 +1,73 @@
 """The last correction, if one is needed: one small deliberate move, straight or turning on the spot.
 
-It is driven at a speed that surely moves the chair, and it ends when the chair, coasting, would come to rest where it
-should. Where nothing moves, the speed grows until it does.
+It is timed, as it is over before odometry or images could steer it. Castors that point the wrong way, or carpet, hold
+against it like a deadband: that much resistance is learned from how far the last move in the same direction got.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_nmpc.drive.axis import ChairDrive
+from seater_common.geometry import Limits
+from seater_nmpc.drive.axis import AxisDrive, ChairDrive
 
 Array = NDArray[np.float64]
 
-_SPEED, _OMEGA = 0.02, 0.05  # [m/s, rad/s] of a move by a chair without a deadband
-_SURE = 1.6  # times the deadband
-_FASTEST_SPEED, _FASTEST_OMEGA = 0.08, 0.25
-_MOVED = 0.2  # fraction of the speed from which on the chair moves
-_PATIENCE = 0.3  # [s] beyond delay and lag, after which a chair that does not move is asked for more
-_MORE = 1.25
-_LONGEST = 6.0  # [s]
-_MOST_MORE, _MOST_EFFORT = 2.0, 6.0
+_DURATION = 0.4  # [s] that a move takes about
+_LONGEST = 2.0 * _DURATION
+_FASTEST = (0.08, 0.35)  # [m/s, rad/s]
+_MOST_MORE = (0.03, 0.1)  # [m/s, rad/s] by which the resistance that is reckoned with grows from move to move
+
+
+@dataclass(frozen=True)
+class _Axis:
+    drive: AxisDrive
+    rate: float  # largest change of the speed per second
+    fastest: float
+    most_more: float
 
 
 class FineMove:
     """Ask it for the speeds of each cycle, until there are none. Errors: the chair in the dock's frame (3,)."""
 
     def __init__(
-        self, error: Array, turning: bool, drive: ChairDrive, delay: float, now: float, *, effort: float = 1.0
+        self, error: Array, turning: bool, drive: ChairDrive, limits: Limits, before: FineMove | None = None
     ) -> None:
-        """`error`: of the standing chair. `delay` [s] of a command. `effort`: how many times more than the way to go
-        is asked for, as the last move fell short (see `fell_short`)."""
-        self.turning, self._error, self._effort = turning, np.array(error, dtype=float), effort
-        self._began, self._asked_since = now, now
-        self._axis, axis = (2, drive.omega) if turning else (0, drive.v)
-        self._forward = -math.copysign(1.0, float(error[self._axis]))
-        self._fastest = _FASTEST_OMEGA if turning else _FASTEST_SPEED
-        slow = max(_OMEGA if turning else _SPEED, _SURE * axis.smallest_speed)
-        self._speed = min(slow * effort, max(self._fastest, slow))
-        self._response = delay + 2.0 * (drive.lag_omega if turning else drive.lag_v) + _PATIENCE
+        """`error`: of the standing chair. `before`: the last move, from whose result it learns."""
+        self.turning, self._index = turning, 2 if turning else 0
+        single, rate = (drive.omega, limits.alpha_max) if turning else (drive.v, limits.a_max)
+        self._axis = _Axis(single, rate, _FASTEST[turning], _MOST_MORE[turning])
+        self._begin = float(error[self._index])
+        self._way = abs(self._begin)
+        self.resistance = 0.0 if before is None else before._resistance_after(error, turning)
+        wanted = self.resistance + self._way / _DURATION
+        self._fastest = min(max(wanted, single.smallest_speed), max(self._axis.fastest, single.smallest_speed))
+        self._speed = self._done = self._time = 0.0
 
-    def speeds(self, now: float, rest_error: Array, motion: tuple[float, float], period: float) -> Array | None:
-        """(v, omega) for the next `period` [s]; None: it has been asked for enough.
-
-        `rest_error`: where the chair will come to rest if nothing more is asked. `motion`: measured speeds.
-        """
-        begin, now_at = float(self._error[self._axis]), float(rest_error[self._axis])
-        to_go = -self._forward * (self._effort * begin + (now_at - begin))
-        if to_go <= 0.5 * self._speed * period or now - self._began > _LONGEST:
+    def speeds(self, period: float) -> tuple[float, float] | None:
+        """(v [m/s], omega [rad/s]) for the next `period` [s]; None: it is over."""
+        half_a_cycle = 0.5 * max(0.0, self._speed - self.resistance) * period
+        if self._done >= self._way - half_a_cycle or self._time > _LONGEST:
             return None
-        moves = self._forward * motion[1 if self.turning else 0] >= _MOVED * self._speed
-        if moves:
-            self._asked_since = now
-        elif now - self._asked_since > self._response:
-            self._speed = min(_MORE * self._speed, self._fastest)
-            self._asked_since = now - self._response + _PATIENCE
-        speed = self._forward * self._speed
-        return np.array([0.0, speed]) if self.turning else np.array([speed, 0.0])
+        self._speed = min(self._speed + self._axis.rate * period, self._fastest)
+        moving = self._axis.drive.effective(self._axis.drive.command(self._speed)) if self._sure() else 0.0
+        self._done += max(0.0, moving - self.resistance) * period
+        self._time += period if moving > self.resistance else 0.0
+        speed = -math.copysign(self._speed, self._begin)
+        return (0.0, speed) if self.turning else (speed, 0.0)
 
-    def effort_after(self, error: Array) -> float:
-        """The effort for the next move in the same direction, given where the chair stands after this one.
+    def _sure(self) -> bool:
+        return self._speed >= self._axis.drive.smallest_speed
 
-        Castors that point the wrong way, or carpet, take most of a small move.
-        """
-        begin, left = float(self._error[self._axis]), float(error[self._axis])
-        if begin * left <= 0.0:
-            return 1.0  # overshot: what held it is overcome
-        done = 1.0 - left / begin
-        return min(self._effort * min(max(1.0 / max(done, 1e-3), 1.0), _MOST_MORE), _MOST_EFFORT)
+    def _resistance_after(self, error: Array, turning: bool) -> float:
+        """To be reckoned with in the next move, given where the chair stands after this one."""
+        left = float(error[self._index])
+        if turning is not self.turning or left * self._begin <= 0.0:
+            return 0.0  # another direction: nothing is known
+        short = max(0.0, self._done - abs(self._begin - left))
+        return self.resistance + min(short / max(self._time, 0.5 * _DURATION), self._axis.most_more)
+

@@ -66,7 +66,7 @@ class Phases:
         *,
         require_contact: bool,
     ) -> None:
-        self._dock, self._controller, self._observer = dock, controller, observer
+        self._chair, self._dock, self._controller, self._observer = chair, dock, controller, observer
         self._motion, self._navigator, self._parameters = motion, navigator, parameters
         self._require_contact = require_contact
         self._corridor = Corridor(chair, dock, parameters)
@@ -220,21 +220,18 @@ class Phases:
             return self._try_again(chair, ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock")
         self._enter(Phase.CORRECTING)
         self._moves += 1
-        history = self._controller.history
-        turning, before = verdict is Correction.TURN, self._fine_move
-        effort = 1.0 if before is None or before.turning is not turning else before.effort_after(error)
-        self._fine_move = FineMove(error, turning, history.drive, history.delay, chair.stamp, effort=effort)
+        turning, drive = verdict is Correction.TURN, self._controller.history.drive
+        self._fine_move = FineMove(error, turning, drive, self._chair.limits, self._fine_move)
         return self._correct(chair)
 
     def _correct(self, chair: Instant) -> Command:
         self._look(chair)
         assert self._fine_move is not None  # set with the phase
-        speeds = self._speeds(chair)
-        asked = self._fine_move.speeds(chair.stamp, self._rest_error(chair), speeds, self._controller.period)
+        asked = self._fine_move.speeds(self._controller.period)
         if asked is None:
             self._enter(Phase.STOPPING)
             return STANDING
-        return self._controller.move(chair.stamp, speeds, float(asked[0]), float(asked[1]))
+        return self._controller.move(chair.stamp, self._speeds(chair), *asked)
 
     def _verify(self, chair: Instant) -> Command:
         self._look(chair)
@@ -250,11 +247,13 @@ class Phases:
         raise GoalEnd(_VERDICTS[verdict], verdict.value)
 
     def _retry(self, chair: Instant) -> Command:
-        error = self._look(chair)
-        if self._at_predock(error, chair):
+        error, p = self._look(chair), self._parameters
+        small = abs(error[1]) <= p.corridor_half_width and abs(error[2]) <= p.corridor_heading
+        x = max(self._dock.predock_x, -p.retry_distance) if small else self._dock.predock_x
+        if self._is_at(x, error, chair):
             self._enter(Phase.FINAL if self._way_in(error) else Phase.APPROACH)
             return self._handlers[self.phase](chair)
-        return self._drive(chair, "predock")
+        return self._drive(chair, np.array([x, 0.0, 0.0]))
 
     def _undock(self, chair: Instant) -> Command:
         if self.T_odom_dock is None:
@@ -279,6 +278,10 @@ class Phases:
         return self._retry(chair)
 
     def _at_predock(self, error: Array, chair: Instant) -> bool:
+        return self._is_at(self._dock.predock_x, error, chair)
+
+    def _is_at(self, x: float, error: Array, chair: Instant) -> bool:
+        """Whether the chair is, slowly, at that place on the dock's axis."""
         p = self._parameters
-        near = math.hypot(error[0] - self._dock.predock_x, error[1]) <= p.predock_position
+        near = math.hypot(error[0] - x, error[1]) <= p.predock_position
         return near and abs(error[2]) <= p.predock_heading and abs(chair.v) <= _UNDOCKED_SPEED
