@@ -12,6 +12,7 @@ import pytest
 from seater_common.geometry import Chair, Dock
 from seater_eval.acados.peer import AcadosError, AcadosPeer
 from seater_eval.acados.stage import docking_stage, from_stages, to_stages
+from seater_eval.control.acados_comparison import acados_bars
 from seater_nmpc.ocp.areas import dock_areas
 from seater_nmpc.ocp.docking_problem import DockingProblem
 from seater_nmpc.parameters import ControlParameters
@@ -69,3 +70,11 @@ def test_problems_that_it_is_not_set_up_for_are_refused(change: dict) -> None:
 def test_a_folder_without_acados_says_how_to_make_it(tmp_path: Path) -> None:
     with pytest.raises(AcadosError, match=r"libacados.so is missing.*tools/make_acados.sh"):
         AcadosPeer(Chair(), Dock(), PARAMETERS, tmp_path)
+
+
+@pytest.mark.parametrize(("median", "p99", "met"), [(1.2, 0.9, [True, True]), (1.4, 1.1, [False, False])])
+def test_the_bars_are_ratios_of_processor_times(median: float, p99: float, met: list[bool]) -> None:
+    times = {"command": {"median": 2.0 * median, "p99": 3.0 * p99}, "acados": {"median": 2.0, "p99": 3.0}}
+    bars = acados_bars({"cpu_ms": times, "horizon": 30})
+    assert [bar.value for bar in bars] == pytest.approx([p99, median])
+    assert [bar.met for bar in bars] == met
