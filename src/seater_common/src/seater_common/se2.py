@@ -57,8 +57,18 @@ def arc_step(pose: ArrayLike, v: float, omega: float, duration: float) -> Array:
     """Pose after driving with constant v [m/s] and omega [rad/s] for duration [s], exactly: an arc of a circle."""
     x, y, heading = np.asarray(pose, dtype=float)
     half = 0.5 * omega * duration
-    chord = v * duration * float(np.sinc(half / math.pi))
+    chord = v * duration * (math.sin(half) / half if half != 0.0 else 1.0)
     direction = heading + half
     return np.array(
         [x + chord * math.cos(direction), y + chord * math.sin(direction), wrap_angle(heading + 2.0 * half)]
+    )
+
+
+def arc_poses(pose: ArrayLike, v: float, omega: float, durations: Array) -> Array:
+    """arc_step for each of the durations (n,), (n, 3)."""
+    x, y, heading = np.asarray(pose, dtype=float)
+    half = 0.5 * omega * durations
+    chord, direction = v * durations * np.sinc(half / math.pi), heading + half
+    return np.column_stack(
+        [x + chord * np.cos(direction), y + chord * np.sin(direction), wrap_angles(heading + 2.0 * half)]
     )

@@ -28,9 +28,10 @@ def footprints(corners: ArrayLike, poses: ArrayLike) -> Array:
     """Corners of the footprint (4, 2), given in base_link, at the poses (n, >= 3): shape (n, 4, 2)."""
     corners, poses = np.asarray(corners, float), np.asarray(poses, float)
     c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
-    x = poses[:, 0, None] + c * corners[:, 0] - s * corners[:, 1]
-    y = poses[:, 1, None] + s * corners[:, 0] + c * corners[:, 1]
-    return np.stack([x, y], axis=2)
+    shapes = np.empty((len(poses), len(corners), 2))
+    shapes[:, :, 0] = poses[:, 0, None] + c * corners[:, 0] - s * corners[:, 1]
+    shapes[:, :, 1] = poses[:, 1, None] + s * corners[:, 0] + c * corners[:, 1]
+    return shapes
 
 
 def separating_lines(shapes: Array, polygons: list[Array]) -> Lines:
@@ -38,42 +39,55 @@ def separating_lines(shapes: Array, polygons: list[Array]) -> Lines:
 
     The best normal is across an edge of one or, where two corners face each other, along the line between these.
     """
-    found = [_best(shapes, polygon) for polygon in polygons]
-    if not found:
-        nothing = np.zeros((len(shapes), 0))
-        return Lines(np.zeros((len(shapes), 0, 2)), nothing, nothing)
-    normals, offsets, distances = (np.stack([one[i] for one in found], axis=1) for i in range(3))
-    return Lines(normals, offsets, distances)
+    n, m, theirs = len(shapes), len(polygons), -outward_normals(shapes)
+    lines = Lines(np.empty((n, m, 2)), np.empty((n, m)), np.empty((n, m)))
+    for i, polygon in enumerate(polygons):
+        lines.normals[:, i], lines.offsets[:, i], lines.distances[:, i] = _best(shapes, theirs, polygon)
+    return lines
 
 
 def edge_distances(shapes: Array, polygon: Array) -> Array:
     """(n,) largest signed distance [m] across an edge of either: distance, or less where corners face each other."""
     theirs = -outward_normals(polygon[None])[0]  # (k, 2)
-    ahead = np.min(shapes @ -theirs.T, axis=1) + np.min(polygon @ theirs.T, axis=0)
+    ahead = (shapes @ -theirs.T).min(axis=1) + (polygon @ theirs.T).min(axis=0)
     ours = outward_normals(shapes)
-    reach = np.sum(ours * shapes, axis=2)
-    behind = np.min(ours @ polygon.T, axis=2) - reach
-    return np.maximum(np.max(ahead, axis=1), np.max(behind, axis=1))
+    reach = ours[:, :, 0] * shapes[:, :, 0] + ours[:, :, 1] * shapes[:, :, 1]
+    behind = _over_last(np.minimum, ours @ polygon.T) - reach
+    return np.maximum(ahead.max(axis=1), behind.max(axis=1))
 
 
 def outward_normals(shapes: Array) -> Array:
     """(n, k, 2) unit normals of the edges of the anticlockwise polygons `shapes` (n, k, 2)."""
-    edges = np.roll(shapes, -1, axis=1) - shapes
-    normals = np.stack([edges[..., 1], -edges[..., 0]], axis=2)
-    return np.asarray(normals / np.linalg.norm(normals, axis=2, keepdims=True))
+    normals = np.empty_like(shapes)
+    normals[:, :-1, 0], normals[:, -1, 0] = shapes[:, 1:, 1] - shapes[:, :-1, 1], shapes[:, 0, 1] - shapes[:, -1, 1]
+    normals[:, :-1, 1], normals[:, -1, 1] = shapes[:, :-1, 0] - shapes[:, 1:, 0], shapes[:, -1, 0] - shapes[:, 0, 0]
+    normals /= _length(normals)[:, :, None]
+    return normals
 
 
-def _best(shapes: Array, polygon: Array) -> tuple[Array, Array, Array]:
-    """Normal (n, 2), offset (n,), distance (n,) of the line with the largest distance between shape and polygon."""
-    count = len(shapes)
-    across = np.broadcast_to(outward_normals(polygon[None]), (count, len(polygon), 2))
-    between = (shapes[:, :, None, :] - polygon).reshape(count, -1, 2)
-    length = np.linalg.norm(between, axis=2, keepdims=True)
-    normals = np.concatenate([across, -outward_normals(shapes), between / np.maximum(length, 1e-9)], axis=1)
-    offsets = np.max(normals @ polygon.T, axis=2)
-    distances = np.min(normals @ shapes.transpose(0, 2, 1), axis=2) - offsets
-    best, rows = np.argmax(distances, axis=1), np.arange(count)
+def _best(shapes: Array, inward: Array, polygon: Array) -> tuple[Array, Array, Array]:
+    """Normal (n, 2), offset (n,), distance (n,) of the line with the largest distance between shape and polygon;
+    `inward`: the shapes' normals, to the inside."""
+    n, k, own = len(shapes), len(polygon), len(polygon) + shapes.shape[1]
+    between = (shapes[:, :, None, :] - polygon).reshape(n, -1, 2)
+    normals = np.empty((n, own + between.shape[1], 2))
+    normals[:, :k], normals[:, k:own] = outward_normals(polygon[None]), inward
+    np.divide(between, np.maximum(_length(between), 1e-9)[:, :, None], out=normals[:, own:])
+    offsets = _over_last(np.maximum, normals @ polygon.T)
+    distances = _over_last(np.minimum, normals @ shapes.transpose(0, 2, 1)) - offsets
+    best, rows = distances.argmax(axis=1), np.arange(n)
     return normals[rows, best], offsets[rows, best], distances[rows, best]
+
+
+def _over_last(reduction: np.ufunc, values: Array) -> Array:
+    """The reduction of values (n, m, k) over k, which is short: NumPy is five times quicker along the first axis."""
+    return np.asarray(reduction.reduce(values.transpose(2, 0, 1).copy()))
+
+
+def _length(vectors: Array) -> Array:
+    """(n, k) of vectors (n, k, 2). In a control cycle twice as quick as a norm over the last axis."""
+    x, y = vectors[:, :, 0], vectors[:, :, 1]
+    return np.asarray(np.sqrt(x * x + y * y))
 
 
 def nearest(lines: Lines, count: int) -> Lines:

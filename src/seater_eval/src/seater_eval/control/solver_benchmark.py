@@ -22,6 +22,7 @@ from seater_eval.baselines.paper_formulation import PaperFormulation
 from seater_eval.baselines.park_kuipers import ParkKuipers
 from seater_eval.baselines.pbvs import Pbvs
 from seater_eval.baselines.trajectories import Trajectory, quickest
+from seater_eval.control.acados_comparison import MORE_STARTS, compare_with_acados
 from seater_eval.report.bars import Bar
 from seater_eval.report.statistics import spread
 from seater_eval.run.progress import progress_bar
@@ -83,6 +84,12 @@ def run_benchmark(config: str | Path, quick: bool) -> dict[str, Any]:
         "missing_solvers": missing_solvers(),
         "rows": rows,
     }
+
+
+def run_acados(config: str | Path, folder: Path, quick: bool) -> dict[str, Any]:
+    """The whole control cycle beside acados, from more starts. Raises AcadosError: none there that works."""
+    starts = STARTS[:1] if quick else STARTS + MORE_STARTS
+    return compare_with_acados(load_setup(config), folder, starts, OBSTACLES, BAR_HORIZON, quick)
 
 
 def _cases(horizons: Sequence[int], quick: bool) -> list[tuple[int, str]]:

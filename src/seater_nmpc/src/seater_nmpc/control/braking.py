@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import Chair
-from seater_common.se2 import arc_step, wrap_angles
+from seater_common.se2 import arc_poses, wrap_angles
 from seater_common.separation import edge_distances, footprints
 
 Array = NDArray[np.float64]
@@ -55,7 +55,7 @@ class BrakingCheck:
     def _arc(self, pose: ArrayLike, v: float, omega: float) -> Array:
         """Poses (n, 3) on the arc to standstill, which takes at full speed half of the time that braking takes."""
         braking = max(0.5 * abs(v) / self._limits.a_max, 0.5 * abs(omega) / self._limits.alpha_max)
-        return np.array([arc_step(pose, v, omega, t) for t in np.linspace(0.0, self._hold + braking, _POSES)])
+        return arc_poses(pose, v, omega, np.linspace(0.0, self._hold + braking, _POSES))
 
     def _stretch(self, path: Array, v: float, omega: float) -> Array:
         """As much of the path (n, 3) as is driven, and turned, until the chair stands."""

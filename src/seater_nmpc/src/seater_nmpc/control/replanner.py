@@ -39,6 +39,7 @@ class Replanner:
     ) -> None:
         """`areas` in the dock's frame or None. `deterministic`: no wall-time limit. `solver` replaces the named one."""
         self._parameters, self._areas = parameters, areas
+        self._placed: tuple[Array, Areas] | None = None  # a target and the areas seen from there
         self._problem = make_problem(chair, parameters, areas)
         solver = solver or make_solver(self._problem, parameters)
         self._solver = GuardedSolver(solver, max(parameters.fallback.feasibility, parameters.rti.feasibility))
@@ -88,7 +89,7 @@ class Replanner:
             acceleration: between the last two commands [m/s^2, rad/s^2].
         """
         state = self._unwound(state)
-        areas = None if self._areas is None else self._areas.in_frame(T_dock_target)
+        areas = self._areas_seen_from(T_dock_target)
         cold = self._start is None
         start = self._warm_start(areas, stamp, T_dock_target) or self._cold_start(state, areas)
         outlines = [transform_points(inverse(T_dock_target), outline) for outline in obstacles]
@@ -112,6 +113,12 @@ class Replanner:
         if solution.status is SolveStatus.SOLVED:
             return True
         return solution.status is SolveStatus.LIMIT and solution.violation <= self._parameters.fallback.feasibility
+
+    def _areas_seen_from(self, T_dock_target: Array) -> Areas | None:
+        """The areas in the target's frame; the same object as long as the target is the same."""
+        if self._areas is not None and (self._placed is None or not np.array_equal(T_dock_target, self._placed[0])):
+            self._placed = T_dock_target.copy(), self._areas.in_frame(T_dock_target)
+        return None if self._placed is None else self._placed[1]
 
     def _unwound(self, state: Array) -> Array:
         """The same state, its heading counted on from the last one's: no flip between half a turn left and right."""

@@ -79,10 +79,13 @@ class AreaConstraints:
             x[self._slacks[k]] = ca.vertcat(*[ca.fmax(0.0, -ca.mmin(margin)) for margin in margins])
         return x
 
-    def set_instance(self, areas: Areas, p: Array, lower: Array, upper: Array, lines: Array | None = None) -> None:
-        """Write where the areas and the `obstacle_lines` are into the parameters and the bounds."""
+    def set_areas(self, areas: Areas, p: Array, lower: Array, upper: Array) -> None:
+        """Write where the areas are into the parameters and the bounds."""
         for constraint, area in zip(self._fixed, areas.parts, strict=True):
             constraint.set_instance(area, p, lower, upper)
+
+    def set_lines(self, lines: Array | None, p: Array, lower: Array, upper: Array) -> None:
+        """Write the `obstacle_lines` (None: none) into the parameters."""
         self._obstacles.set_instance(lines, p, lower, upper)
 
     def obstacle_lines(self, polygons: list[Array], states: Array) -> Array:

@@ -52,6 +52,8 @@ class Problem(ABC):
         self._input_columns = np.array([np.arange(where.start, where.stop) for where in self._u])
         self._g_lower, self._g_upper = np.array(programme.g_lower), np.array(programme.g_upper)
         self._parameter_size = programme.parameter_size
+        self._instance: tuple[Areas | None, tuple[Array, Array, Array]] | None = None
+        self._times = np.concatenate([[0.0], np.cumsum(self._steps)])
 
     @property
     def couples_stages(self) -> bool:
@@ -67,14 +69,22 @@ class Problem(ABC):
     ) -> ProblemData:
         """The instance for the initial state (x, y, theta, v, omega), the areas and the `lines` of obstacles, all in
         the target's frame; `acceleration` (dv/dt, domega/dt) is the last one, for the limits of jerk."""
-        lower, upper = self._lower.copy(), self._upper.copy()
+        p, lower, upper = (values.copy() for values in self._at(areas))
         lower[self._z[0]] = upper[self._z[0]] = self._initial(state)
-        p = np.zeros(self._parameter_size)
         if self._jerk is not None:
             p[self._jerk.where] = acceleration
         if self._areas is not None and areas is not None:
-            self._areas.set_instance(areas, p, lower, upper, lines)
+            self._areas.set_lines(lines, p, lower, upper)
         return ProblemData(p=p, lbx=lower, ubx=upper, lbg=self._g_lower, ubg=self._g_upper)
+
+    def _at(self, areas: Areas | None) -> tuple[Array, Array, Array]:
+        """Parameters and bounds where the areas are; kept, for an instance comes each cycle and the areas stay."""
+        if self._instance is None or self._instance[0] is not areas:
+            p, lower, upper = np.zeros(self._parameter_size), self._lower.copy(), self._upper.copy()
+            if self._areas is not None and areas is not None:
+                self._areas.set_areas(areas, p, lower, upper)
+            self._instance = areas, (p, lower, upper)
+        return self._instance[1]
 
     def guess(self, states: Array, areas: Areas | None, old: Array | None = None) -> Array:
         """Variables for a trajectory (N + 1, 5); what it does not give is taken from the variables `old` if present."""
@@ -99,7 +109,7 @@ class Problem(ABC):
         """The trajectory in the variables x."""
         violation = 0.0 if self._areas is None else self._areas.violation(x)
         return Plan(
-            times=np.concatenate([[0.0], np.cumsum(self._steps)]),
+            times=self._times,
             states=self._read_trajectory(x),
             violation=violation,
             speeds_held=self.speeds_held,
