@@ -41,17 +41,17 @@ def test_configuration_file_is_the_default(simulator_values: dict[str, Any]) -> 
 
 def test_wrong_configuration_is_named() -> None:
     values = as_mapping(SETTINGS)
-    values["plant"]["lag_v"] = -1.0
+    values["plant"]["kinematic"]["lag_v"] = -1.0
     values["odometry"]["period"] = 0.025
     values["obstacles"] = [{"outline": [0.0, 0.0, 0.0, 1.0, 1.0, 0.0], "height": 1.0}]
     del values["camera"]["rate"]
     with pytest.raises(ParameterError) as error:
         load(SimulatorSettings, values, "simulator")
     text = str(error.value)
-    assert "simulator/plant/lag_v: is -1.0, must be >= 0.0 [s]" in text
+    assert "simulator/plant/kinematic/lag_v: is -1.0, must be >= 0.0 [s]" in text
     assert "simulator/camera/rate: is missing" in text
     assert "simulator/obstacles[0]: outline: [0.0, 0.0, 0.0, 1.0, 1.0, 0.0] is not convex and anticlockwise" in text
-    values["plant"]["lag_v"], values["camera"]["rate"], values["obstacles"] = 0.1, 30.0, []
+    values["plant"]["kinematic"]["lag_v"], values["camera"]["rate"], values["obstacles"] = 0.1, 30.0, []
     with pytest.raises(ParameterError, match=r"odometry/period: is 0\.025, must be a multiple of step"):
         load(SimulatorSettings, values, "simulator")
 
