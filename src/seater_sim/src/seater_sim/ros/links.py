@@ -106,7 +106,7 @@ class Links:
 
     def publish_static(self, simulator: Simulator) -> None:
         """Where the camera sits."""
-        self._static.sendTransform(messages.camera_transforms(self._options.chair.camera, simulator.time_ns))
+        self._static.sendTransform(messages.camera_transforms(self._options.told_chair.camera, simulator.time_ns))
 
     def publish_clock(self, time_ns: int) -> None:
         """Simulated time."""
