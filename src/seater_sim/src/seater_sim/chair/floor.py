@@ -62,8 +62,9 @@ class Floor:
     def push(self, against: float, left: float) -> tuple[float, float]:
         """(speed [m/s], turning rate [rad/s]) that gravity adds while the motors drive.
 
-        The speed falls through the motors' finite stiffness. The centre of mass ahead of the driven axle turns the
-        chair downhill (Brubaker, McLaurin and McClay, "Effects of side slope on wheelchair performance", 1986).
+        The speed falls through the motors' finite stiffness. The centre of mass lies ahead of the driven axle and turns
+        the chair downhill (measured by Richter et al., "Consequences of a cross slope on wheelchair handrim
+        biomechanics", 2007: 0.87 Nm per degree of cross slope).
         """
         return -self._settings.compliance * against, self._settings.downhill_turn * left
 

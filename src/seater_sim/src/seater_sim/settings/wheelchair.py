@@ -70,7 +70,7 @@ class FloorSettings:
     slope: float = param(0.0, "rad", "inclination of the floor", low=0.0, high=0.25)
     uphill: float = param(0.0, "rad", "direction of the rise in the dock frame", low=-3.1416, high=3.1416)
     compliance: float = param(0.05, "s", "speed lost per acceleration of gravity along the chair", low=0.0, high=1.0)
-    downhill_turn: float = param(0.05, "rad*s/m", "turning per acceleration of gravity across", low=0.0, high=1.0)
+    downhill_turn: float = param(0.02, "rad*s/m", "turning per acceleration of gravity across", low=0.0, high=1.0)
     side_slip: float = param(0.01, "rad/(m/s^2)", "angle of the tyres' sideways creep", low=0.0, high=0.2)
 
 
