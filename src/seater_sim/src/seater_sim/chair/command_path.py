@@ -41,9 +41,7 @@ class CommandPath:
         due = now_ns + self._delay_ns
         if self._jitter_ns:
             due += int(self._rng.random() * self._jitter_ns)
-        if self._pending:  # one wire: a later command does not overtake
-            due = max(due, self._pending[-1][0])
-        self._pending.append((due, v, omega))
+        self._pending.append((due, v, omega))  # one wire: a later command waits for the one before it
         return finite
 
     def at(self, now_ns: int) -> tuple[float, float]:
