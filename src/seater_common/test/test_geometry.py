@@ -49,6 +49,12 @@ def test_polygon_distance() -> None:
     assert polygon_distance(SQUARE, SQUARE + [0.9, 0.0]) == pytest.approx(-0.1)
 
 
+def test_an_open_dock_has_a_back_wall_only() -> None:
+    bay = Bay(side_wall_length=0.0)
+    assert bay.side_walls() == [] and len(bay.outlines()) == 1
+    assert clearance(Chair(), bay, [0, 0.3, 0]) == pytest.approx(0.15)  # nothing at its sides
+
+
 def test_clearance_of_the_docked_chair() -> None:
     chair, bay = Chair(), Bay()
     assert clearance(chair, bay, [0, 0, 0]) == pytest.approx(0.15)  # front to the back wall

@@ -11,7 +11,7 @@ from seater_nmpc.observe.motion import MotionObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.observe.prediction import CommandHistory
 from seater_sim.chair.odometry import Odometry as WheelOdometry
-from seater_sim.chair.plant import Plant
+from seater_sim.chair.plant import KinematicPlant
 from seater_sim.settings import NANOSECONDS, to_ns
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
@@ -21,7 +21,7 @@ RUNS, SECONDS = 10, 6.0
 def errors(setup: Setup, seed: int) -> np.ndarray:
     """(cycles, 2, 2): of the odometry's and of the observer's speeds rolled on; v [m/s], omega [rad/s]."""
     rng, control = np.random.default_rng([seed, 13]), setup.parameters.control
-    plant = Plant(setup.simulator.plant, setup.chair.limits, np.zeros(3))
+    plant = KinematicPlant(setup.simulator.plant.kinematic, setup.chair.limits, np.zeros(3))
     wheels, period = WheelOdometry(setup.simulator.odometry, seed), to_ns(setup.simulator.odometry.period)
     history, way, turn, rows = CommandHistory(control.prediction), 0.0, 0.0, []
     motion, commands = MotionObserver(history, setup.parameters.observer), history.view()

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from seater_common.geometry import Chair, Dock, Marker
+from seater_common.geometry import Bay, Chair, Dock, Marker
 from seater_sim.camera.camera import Camera
 from seater_sim.camera.camera_model import CameraModel
 from seater_sim.settings import CameraSettings, Obstacle
@@ -157,6 +157,11 @@ def test_side_wall_hides_the_markers(camera: Camera) -> None:
     corners = np.concatenate(list(camera.marker_corners(pose).values()))
     assert np.any(np.all((corners > 0) & (corners < [1279, 719]), axis=1))  # in the field of view
     assert found(camera.render(pose)) == {}
+
+
+def test_nothing_hides_the_markers_of_an_open_dock(model: CameraModel) -> None:
+    dock = dataclasses.replace(Dock(), bay=Bay(side_wall_length=0.0))
+    assert set(found(Camera(model, Chair().camera, dock).render((-0.4, 1.7, -0.9)))) >= {0, 1}
 
 
 def test_obstacle_is_drawn_in_front(model: CameraModel) -> None:

@@ -35,8 +35,9 @@ def test_contact_opens_when_the_heading_leaves(contact: ChargingContact) -> None
     assert not contact.update([0.0, 0.0, -0.036], 0.0, 0.0)
 
 
-def test_fast_clearance_is_the_exact_one() -> None:
-    chair, bay = Chair(), Bay()
+@pytest.mark.parametrize("length", [0.9, 0.0])
+def test_fast_clearance_is_the_exact_one(length: float) -> None:
+    chair, bay = Chair(), Bay(side_wall_length=length)
     walls = Walls(chair, bay, [])
     rng = np.random.default_rng(1)
     compared = 0

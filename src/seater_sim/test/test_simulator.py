@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from seater_common.geometry import Chair, Dock, clearance
+from seater_common.geometry import Bay, Chair, Dock, clearance
 from seater_common.params import ParameterError, as_mapping, load
 from seater_sim.camera.camera import Camera
 from seater_sim.loop.simulator import Due, Simulator
@@ -41,17 +41,17 @@ def test_configuration_file_is_the_default(simulator_values: dict[str, Any]) -> 
 
 def test_wrong_configuration_is_named() -> None:
     values = as_mapping(SETTINGS)
-    values["plant"]["lag_v"] = -1.0
+    values["plant"]["kinematic"]["lag_v"] = -1.0
     values["odometry"]["period"] = 0.025
     values["obstacles"] = [{"outline": [0.0, 0.0, 0.0, 1.0, 1.0, 0.0], "height": 1.0}]
     del values["camera"]["rate"]
     with pytest.raises(ParameterError) as error:
         load(SimulatorSettings, values, "simulator")
     text = str(error.value)
-    assert "simulator/plant/lag_v: is -1.0, must be >= 0.0 [s]" in text
+    assert "simulator/plant/kinematic/lag_v: is -1.0, must be >= 0.0 [s]" in text
     assert "simulator/camera/rate: is missing" in text
     assert "simulator/obstacles[0]: outline: [0.0, 0.0, 0.0, 1.0, 1.0, 0.0] is not convex and anticlockwise" in text
-    values["plant"]["lag_v"], values["camera"]["rate"], values["obstacles"] = 0.1, 30.0, []
+    values["plant"]["kinematic"]["lag_v"], values["camera"]["rate"], values["obstacles"] = 0.1, 30.0, []
     with pytest.raises(ParameterError, match=r"odometry/period: is 0\.025, must be a multiple of step"):
         load(SimulatorSettings, values, "simulator")
 
@@ -149,6 +149,13 @@ def test_obstacle_stops_the_chair() -> None:
     simulator = Simulator(settings, Chair(), Dock(), None, (-2.5, 0.0, 0.0))
     truth = drive(simulator, 6.0, 0.3)[-1].truth
     assert truth.collisions == 1 and truth.pose[0] == pytest.approx(-1.75, abs=0.004)
+
+
+def test_open_dock_stops_the_chair_at_its_back_wall_only() -> None:
+    dock = dataclasses.replace(Dock(), bay=Bay(side_wall_length=0.0))
+    simulator = Simulator(SETTINGS, Chair(), dock, None, (-1.0, 0.4, 0.0))
+    truth = drive(simulator, 8.0, 0.3)[-1].truth
+    assert truth.collisions == 1 and truth.pose[0] == pytest.approx(0.15, abs=0.004)
 
 
 def test_start_in_a_wall_or_nowhere_is_refused() -> None:

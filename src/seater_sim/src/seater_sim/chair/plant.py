@@ -1,4 +1,4 @@
-"""The chair as a plant: a unicycle behind a motor controller.
+"""The ideal chair (plant `kinematic`): a unicycle behind a motor controller.
 
 Each axis (speed, turning rate): the command acts after a delay; the demand follows it within the acceleration limit;
 the true speed follows the demand as a first-order lag. Between two instants the demand is a ramp and then constant, so
@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import Limits
 from seater_common.se2 import arc_step
-from seater_sim.settings import NANOSECONDS, PlantSettings, to_ns
+from seater_sim.chair.interface import Motion
+from seater_sim.settings import NANOSECONDS, KinematicSettings, to_ns
 
 Array = NDArray[np.float64]
 
@@ -65,18 +65,10 @@ class Axis:
         return way
 
 
-@dataclass(frozen=True)
-class Motion:
-    """What the last step did: way [m] and turn [rad]."""
+class KinematicPlant:
+    """Pose and speeds of the chair; see interface.Plant. Time is counted in nanoseconds from the construction."""
 
-    way: float = 0.0
-    turn: float = 0.0
-
-
-class Plant:
-    """Pose and speeds of the chair. Time is counted in nanoseconds from the construction."""
-
-    def __init__(self, settings: PlantSettings, limits: Limits, pose: ArrayLike) -> None:
+    def __init__(self, settings: KinematicSettings, limits: Limits, pose: ArrayLike) -> None:
         """`pose`: (x [m], y [m], heading [rad]) of base_link in the dock frame."""
         self.limits = limits
         self.pose: Array = np.array(pose, dtype=float)

@@ -18,7 +18,7 @@ from seater_common.geometry import Chair, Dock
 from seater_sim.camera.camera import Camera
 from seater_sim.camera.camera_model import CameraModel
 from seater_sim.loop.simulator import Simulator
-from seater_sim.settings import CameraSettings, SimulatorSettings
+from seater_sim.settings import KINEMATIC, WHEELCHAIR, CameraSettings, PlantSettings, SimulatorSettings
 
 # Where the chair is (x [m], y [m], heading [rad]) and how it moves (v [m/s], omega [rad/s]).
 CASES = [
@@ -51,11 +51,13 @@ def main() -> None:
             rows.append([name, *np.quantile(times, [0.5, 0.95])])
         print(f"{model.width} x {model.height} {encoding}, ms per image")
         print(tabulate(rows, ["", "median", "95 %"], floatfmt=".1f"))
-    print(f"step of 10 ms without images: {_step_us():.0f} us on average over 20 s of driving")
+    for kind in (KINEMATIC, WHEELCHAIR):
+        print(f"step of 10 ms without images, plant {kind}: {_step_us(kind):.0f} us on average over 20 s of driving")
 
 
-def _step_us() -> float:
-    simulator = Simulator(SimulatorSettings(), Chair(), Dock(), None, (-2.0, 0.0, 0.0))
+def _step_us(kind: str) -> float:
+    settings = SimulatorSettings(plant=PlantSettings(kind))
+    simulator = Simulator(settings, Chair(), Dock(), None, (-2.5, 0.0, 0.0))
     begin = time.perf_counter()
     for _ in range(2000):
         simulator.command(0.1, 0.0)

@@ -22,9 +22,10 @@ from numpy.typing import ArrayLike, NDArray
 from seater_common.geometry import Chair, Dock
 from seater_sim.camera.camera import Camera
 from seater_sim.camera.camera_model import CameraModel
-from seater_sim.chair.odometry import Odometry, OdometrySample
-from seater_sim.chair.plant import Plant
-from seater_sim.settings import NANOSECONDS, SimulatorSettings, to_ns
+from seater_sim.chair.interface import OdometrySample
+from seater_sim.chair.make import make_plant
+from seater_sim.loop.arrival import Arrivals
+from seater_sim.settings import NANOSECONDS, WHEELCHAIR, SimulatorSettings, to_ns
 from seater_sim.world.contact import ChargingContact, CollisionMonitor, Walls
 from seater_sim.world.events import NAN, NAN_CAMERA_INFO, OFF, Event, Schedule, WorldState
 
@@ -113,6 +114,7 @@ class Simulator:
         camera: Camera | None = None,
     ) -> None:
         """Args:
+        chair: the one that is there; who controls it may be told another.
         camera_model: None for runs that never draw an image.
         start: pose (x [m], y [m], heading [rad]) of base_link in the dock frame.
         seed: of odometry errors and image noise, >= 0.
@@ -126,8 +128,9 @@ class Simulator:
         self.seed = seed
         self._start_ns = to_ns(settings.start_time)
         self._step_ns = to_ns(settings.step)
-        self._plant = Plant(settings.plant, chair.limits, start)
-        self._odometry = Odometry(settings.odometry, seed)
+        self._plant, self._odometry = make_plant(settings.plant, settings.odometry, chair.limits, start, seed)
+        late = settings.plant.wheelchair.odometry.arrival_jitter if settings.plant.kind == WHEELCHAIR else 0.0
+        self._arrivals = Arrivals(to_ns(late), seed)
         self._contact = ChargingContact(settings.contact, dock)
         obstacles = [obstacle.polygon() for obstacle in settings.obstacles]
         reach = float(np.max(np.linalg.norm(chair.corners(), axis=1)))
@@ -181,7 +184,8 @@ class Simulator:
         """Advance by one time step."""
         plant, before_ns = self._plant, self.time_ns
         plant.step(self._step_ns)
-        if self._collision.blocks(plant.pose, plant.motion.way, plant.motion.turn):
+        motion = plant.motion
+        if self._collision.blocks(plant.pose, abs(motion.way) + abs(motion.side), motion.turn):
             plant.block()
         self._way += plant.motion.way
         self._turn += plant.motion.turn
@@ -192,18 +196,21 @@ class Simulator:
         self._contact.update(plant.pose, plant.v, plant.omega)
         self._take_images(before_ns)
         tick = plant.time_ns % to_ns(self.settings.odometry.period) == 0
-        odometry = self._measure_odometry() if tick else None
+        if tick:
+            self._measure_odometry()
+        odometry = self._arrivals.receive(self.time_ns)
         return Due(self.time_ns, tick, odometry, self.truth, self._delivered(), events)
 
     def first_odometry(self) -> OdometrySample:
         """What the wheels say before the first step: where the odometry begins. To be asked at most once."""
         return self._odometry.update(0.0, 0.0, to_ns(self.settings.odometry.period), self.time_ns)
 
-    def _measure_odometry(self) -> OdometrySample | None:
+    def _measure_odometry(self) -> None:
         period = to_ns(self.settings.odometry.period)
         sample = self._odometry.update(self._way, self._turn, period, self.time_ns)
         self._way = self._turn = 0.0
-        return sample if self.world.odometry else None
+        if self.world.odometry:
+            self._arrivals.send(sample)
 
     def _take_images(self, before_ns: int) -> None:
         """Take every image whose exposure has its middle within the step that has just been made."""

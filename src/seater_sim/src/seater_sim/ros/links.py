@@ -16,7 +16,7 @@ from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
 
 from seater_msgs.msg import InputDone, MarkerDetectionArray, ObstacleArray
 from seater_sim.camera.camera import Camera
-from seater_sim.chair.odometry import OdometrySample
+from seater_sim.chair.interface import OdometrySample
 from seater_sim.loop.lockstep import Answers
 from seater_sim.loop.simulator import SimulatedImage, Simulator, Truth
 from seater_sim.ros import messages
@@ -106,7 +106,7 @@ class Links:
 
     def publish_static(self, simulator: Simulator) -> None:
         """Where the camera sits."""
-        self._static.sendTransform(messages.camera_transforms(self._options.chair.camera, simulator.time_ns))
+        self._static.sendTransform(messages.camera_transforms(self._options.told_chair.camera, simulator.time_ns))
 
     def publish_clock(self, time_ns: int) -> None:
         """Simulated time."""

@@ -11,7 +11,7 @@ import cv2
 import rospy
 
 from seater_common.params import ParameterError
-from seater_sim.chair.odometry import OdometrySample
+from seater_sim.chair.interface import OdometrySample
 from seater_sim.loop.simulator import Due, SimulatedImage, Simulator
 from seater_sim.ros.links import Links
 from seater_sim.ros.options import Options, load_options

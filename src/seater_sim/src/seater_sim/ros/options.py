@@ -37,7 +37,8 @@ class RunSettings:
 class Options(RunSettings):
     """All that the node was given."""
 
-    chair: Chair = field(default_factory=Chair)
+    chair: Chair = field(default_factory=Chair)  # the one that is there
+    told_chair: Chair = field(default_factory=Chair)  # what the other nodes take it for: the camera's transform
     dock: Dock = field(default_factory=Dock)
     simulator: SimulatorSettings = field(default_factory=SimulatorSettings)
     camera: CameraModel | None = None
@@ -64,10 +65,12 @@ def load_options() -> Options:
     names = [name for name in RunSettings.__dataclass_fields__ if name in given]
     run = load(RunSettings, OPTIONAL | {name: given[name] for name in names}, prefix)
     dock = load(Dock, _required("dock"), f"{prefix}/dock")
+    chair = load(Chair, _required("chair"), f"{prefix}/chair")
     simulator = load(SimulatorSettings, _required("simulator"), f"{prefix}/simulator")
     return Options(
         **run.__dict__,
-        chair=load(Chair, _required("chair"), f"{prefix}/chair"),
+        chair=chair,
+        told_chair=load(Chair, given["told_chair"], f"{prefix}/told_chair") if "told_chair" in given else chair,
         dock=dock,
         simulator=replace(simulator, obstacles=[*simulator.obstacles, *run.obstacles]),
         camera=CameraModel.from_mapping(_required("camera"), f"{prefix}/camera"),

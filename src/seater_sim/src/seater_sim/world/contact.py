@@ -39,13 +39,9 @@ class Walls:
         self._chair = chair
         self._bay = bay
         self._obstacles = obstacles
-        half, x = 0.5 * bay.width, bay.back_wall_x
-        outer = half + bay.wall_thickness
-        self._boxes = [
-            (bay.entrance_x, x, half, outer),
-            (bay.entrance_x, x, -outer, -half),
-            (x, x + bay.wall_thickness, -outer, outer),
-        ]
+        # All walls lie along the axes: (x0, x1, y0, y1) of each.
+        corners = [(wall.min(axis=0).tolist(), wall.max(axis=0).tolist()) for wall in bay.outlines()]
+        self._boxes = [(low[0], high[0], low[1], high[1]) for low, high in corners]
 
     def distance(self, pose: ArrayLike) -> float:
         """Smallest distance [m]; negative when something overlaps."""

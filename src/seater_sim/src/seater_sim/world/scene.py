@@ -130,7 +130,8 @@ def _floor(bay: Bay) -> list[Face]:
         faces.append(on_floor(x - 5.0, x, y - width, y + width, JOINT))
     for k in range(1, 9):
         faces.append(on_floor(x - k * TILE - width, x - k * TILE + width, -3.3, 3.3, JOINT))
-    faces.append(on_floor(bay.entrance_x, x, -half, half, MAT))
+    if bay.side_wall_length > 0.0:
+        faces.append(on_floor(bay.entrance_x, x, -half, half, MAT))
     return faces
 
 

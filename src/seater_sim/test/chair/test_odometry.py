@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from seater_common.se2 import arc_step, compose, relative, wrap_angle
-from seater_sim.chair.odometry import Odometry, OdometrySample
+from seater_sim.chair.interface import OdometrySample
+from seater_sim.chair.odometry import Odometry
 from seater_sim.settings import OdometrySettings, PlanarPose
 
 PERIOD = 20_000_000

@@ -1,4 +1,4 @@
-"""Everything a person tunes about the simulation (config/simulator.yaml), one dataclass per part."""
+"""The whole of config/simulator.yaml, and the parts of it that do not move."""
 
 from __future__ import annotations
 
@@ -8,23 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from seater_common.params import param
-
-NANOSECONDS = 1_000_000_000
-
-
-def to_ns(seconds: float) -> int:
-    """Nanoseconds, rounded: time is counted in whole nanoseconds so that it never drifts."""
-    return round(seconds * NANOSECONDS)
-
-
-@dataclass(frozen=True)
-class PlantSettings:
-    """Motors and their controller."""
-
-    lag_v: float = param(0.10, "s", "time constant of the speed behind the ramped demand", low=0.0, high=2.0)
-    lag_omega: float = param(0.10, "s", "time constant of the turning rate", low=0.0, high=2.0)
-    command_delay: float = param(0.04, "s", "from a command's arrival to its effect", low=0.0, high=1.0)
-    command_timeout: float = param(0.25, "s", "without a new command for so long, the demand goes to zero", low=0.01)
+from seater_sim.settings.plant import PlantSettings
+from seater_sim.settings.time import to_ns
 
 
 @dataclass(frozen=True)
@@ -42,7 +27,7 @@ class PlanarPose:
 
 @dataclass(frozen=True)
 class OdometrySettings:
-    """Wheel odometry. The systematic errors are drawn once per seed, with these standard deviations."""
+    """Wheel odometry. Errors are drawn once per seed with these standard deviations (`wheelchair`: only claimed)."""
 
     period: float = param(0.02, "s", "between two messages; a multiple of the step", low=0.001, high=1.0)
     scale_sd: float = param(0.01, "", "relative error of distances (wheel diameter)", low=0.0, high=0.2)

@@ -1,4 +1,4 @@
-"""The plant against closed forms."""
+"""The plant `kinematic` against closed forms."""
 
 import math
 
@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from seater_common.geometry import Limits
-from seater_sim.chair.plant import Plant
-from seater_sim.settings import PlantSettings
+from seater_sim.chair.plant import KinematicPlant
+from seater_sim.settings import KinematicSettings
 
 STEP = 10_000_000  # [ns]
 UNLIMITED = Limits(v_max=3.0, v_reverse_max=3.0, omega_max=4.0, a_max=5.0, alpha_max=10.0)
@@ -16,11 +16,12 @@ UNLIMITED = Limits(v_max=3.0, v_reverse_max=3.0, omega_max=4.0, a_max=5.0, alpha
 LIMITS = Limits()
 
 
-def make(limits: Limits = LIMITS, pose: tuple[float, float, float] = (0.0, 0.0, 0.0), **changes: float) -> Plant:
-    return Plant(PlantSettings(**({"command_delay": 0.0, "command_timeout": 100.0} | changes)), limits, pose)
+def make(limits: Limits = LIMITS, **changes: float) -> KinematicPlant:
+    settings = KinematicSettings(**({"command_delay": 0.0, "command_timeout": 100.0} | changes))
+    return KinematicPlant(settings, limits, (0.0, 0.0, 0.0))
 
 
-def run(plant: Plant, steps: int, v: float, omega: float) -> np.ndarray:
+def run(plant: KinematicPlant, steps: int, v: float, omega: float) -> np.ndarray:
     """Rows of (v, omega) after each step, the command repeated before each."""
     rows = []
     for _ in range(steps):

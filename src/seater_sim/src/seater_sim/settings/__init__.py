@@ -1,0 +1,47 @@
+"""Everything a person tunes about the simulation (config/simulator.yaml), one dataclass per part."""
+
+from seater_sim.settings.plant import KINEMATIC, WHEELCHAIR, KinematicSettings, PlantSettings
+from seater_sim.settings.simulator import (
+    CameraSettings,
+    ContactSettings,
+    Obstacle,
+    OdometrySettings,
+    PlanarPose,
+    SceneSettings,
+    SimulatorSettings,
+)
+from seater_sim.settings.time import NANOSECONDS, to_ns
+from seater_sim.settings.wheelchair import (
+    CastorSettings,
+    CommandSettings,
+    FloorSettings,
+    MotorSettings,
+    WheelchairSettings,
+    WheelOdometrySettings,
+    WheelSettings,
+    without_effects,
+)
+
+__all__ = [
+    "KINEMATIC",
+    "NANOSECONDS",
+    "WHEELCHAIR",
+    "CameraSettings",
+    "CastorSettings",
+    "CommandSettings",
+    "ContactSettings",
+    "FloorSettings",
+    "KinematicSettings",
+    "MotorSettings",
+    "Obstacle",
+    "OdometrySettings",
+    "PlanarPose",
+    "PlantSettings",
+    "SceneSettings",
+    "SimulatorSettings",
+    "WheelOdometrySettings",
+    "WheelSettings",
+    "WheelchairSettings",
+    "to_ns",
+    "without_effects",
+]
