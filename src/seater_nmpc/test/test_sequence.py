@@ -76,7 +76,11 @@ def test_marker_lost_stops_right_after_the_blind_distance(make_world) -> None:
 
 
 def test_marker_lost_while_hardly_moving_stops_after_the_blind_time(make_world) -> None:
-    world = start(make_world((-2.5, 0.0, 0.0), seen=lambda w: w.now < 10.6, sequence={"max_blind_time": 0.3}))
+    world = start(
+        make_world(
+            (-2.5, 0.0, 0.0), seen=lambda w: w.now < 10.6, sequence={"max_blind_time": 0.3, "max_blind_wait": 0.0}
+        )
+    )
     step = world.run(10.0)
     ended(world, step, ResultCode.MARKER_LOST)
     assert step.elapsed < 1.0

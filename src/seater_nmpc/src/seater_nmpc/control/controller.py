@@ -28,6 +28,7 @@ Target = str | Sequence[float] | Array
 
 _FARTHEST = 1000.0  # [m] distance of the target at which no solver is asked: from 1e300 m fatrop does not come back
 _LONGEST_PERIOD = 0.5  # [s] between two cycles; longer is a pause
+_WAY_PER_CYCLE, _TURN_PER_CYCLE = 0.06, 0.08  # [m, rad] most that is driven from one cycle to the next
 _CYCLES = 3  # in a row that are longer than configured before the controller reckons with it
 _NOISE_OF_STAMPS = 1.1  # times the configured period: not longer
 _TOO_NEAR = "an obstacle is within the stopping distance"
@@ -81,6 +82,7 @@ class DockingController:
         self._clock = 0.0
         self._acts_at = np.zeros(3)  # base_link in the dock's frame where the next command begins to act
         self._obstacles: list[Array] = []
+        self.set_speed_limit()
         self.reset()
 
     def reset(self) -> None:
@@ -92,6 +94,27 @@ class DockingController:
     def reset_commands(self) -> None:
         """Forget the commands but keep the plan: the next plan begins with the measured speeds."""
         self.history.clear()
+
+    def set_speed_limit(self, v: float = math.inf, omega: float = math.inf, why: str = "") -> None:
+        """Limits of |v| [m/s] and |omega| [rad/s] beside the chair's own from now on; without arguments: none."""
+        self._limit, self._why_slow = (max(0.0, v), max(0.0, omega)), why
+
+    def _slow(self) -> tuple[float, float] | None:
+        """The limits that hold now; slow cycles ask for slow driving: what is not seen for long must not matter."""
+        v, omega = self._limit
+        if self._period > self.parameters.control_period:
+            v, omega = min(v, _WAY_PER_CYCLE / self._period), min(omega, _TURN_PER_CYCLE / self._period)
+        limits = self._chair.limits
+        return (v, omega) if v < limits.v_max or omega < limits.omega_max else None
+
+    @property
+    def slowed_down(self) -> str:
+        """Why the chair drives slower than it may; empty when it does not."""
+        if self._slow() is None:
+            return ""
+        if self._period > self.parameters.control_period:
+            return f"odometry comes only every {self._period:.2f} s"
+        return self._why_slow
 
     @property
     def period(self) -> float:
@@ -160,7 +183,7 @@ class DockingController:
             self.counters.refused_inputs += 1
             return self._fall_back(stamp, None, f"target is farther than {_FARTHEST:.0f} m")
         acceleration = self._commands.acceleration(self._period)
-        solution = self._replanner.solve(state, stamp, T_dock_target, self._obstacles, acceleration)
+        solution = self._replanner.solve(state, stamp, T_dock_target, self._obstacles, acceleration, self._slow())
         slow = self._areas is not None and in_bay(self._chair, self._dock.bay, self._acts_at)
         if not self._replanner.usable(solution):
             return self._fall_back(stamp, solution, solution.text, slow)

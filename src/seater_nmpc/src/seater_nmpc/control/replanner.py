@@ -81,12 +81,14 @@ class Replanner:
         T_dock_target: Array,
         obstacles: list[Array],
         acceleration: tuple[float, float],
+        slow: tuple[float, float] | None = None,
     ) -> Solution:
         """A plan from `state` (x, y, heading, v, omega), at `stamp` [s], to the target.
 
         Args:
             obstacles: convex anticlockwise outlines (n, 2) in the dock's frame [m].
             acceleration: between the last two commands [m/s^2, rad/s^2].
+            slow: limits of |v| and |omega| beside the chair's [m/s, rad/s].
         """
         state = self._unwound(state)
         areas = self._areas_seen_from(T_dock_target)
@@ -96,7 +98,7 @@ class Replanner:
         limit = self._cold_limit if cold else self._limit
         for _ in range(_COLD_ROUNDS if cold and outlines else 1):
             lines = self._problem.obstacle_lines(outlines, self._problem.states(start.x))
-            data, began = self._problem.data(state, areas, lines, acceleration), time.thread_time()
+            data, began = self._problem.data(state, areas, lines, acceleration, slow), time.thread_time()
             solution = self._solver.solve(data, start, limit)
             self.solve_cpu = time.thread_time() - began
             if not self.usable(solution):

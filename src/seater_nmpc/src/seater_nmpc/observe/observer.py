@@ -20,10 +20,12 @@ from seater_nmpc.observe.drift import transition
 from seater_nmpc.observe.innovation import Fusion, Innovation, Outcome
 from seater_nmpc.observe.measurement import Hypothesis, Measurement, Planar, in_frame, project
 from seater_nmpc.observe.odometry import Instant, Odometry, OdometryBuffer
+from seater_nmpc.observe.reasons import why_unused
 from seater_nmpc.parameters import ObserverParameters
 
 Array = NDArray[np.float64]
 
+_RATE_IMAGES = 9  # images from which their usual distance in time is taken
 _MOST_WAITING = 20  # images that may wait for the odometry of their time
 
 
@@ -73,6 +75,8 @@ class DockObserver:
         self._candidates = Acquisition(p.acquire_count, *acquire)
         self._rejected = Acquisition(p.reacquire_count, *acquire)
         self.last_rejected: Innovation | None = None  # of the newest image, when it was outside the gate
+        self._stamps: deque[float] = deque(maxlen=_RATE_IMAGES)
+        self._since_used: Counter[Outcome] = Counter()  # what became of the images since the last used one
 
     @property
     def prior(self) -> Array | None:
@@ -91,11 +95,25 @@ class DockObserver:
         """Take what one image, taken at `stamp`, says about the dock."""
         fusion = self._take(stamp, hypotheses)
         self.counts[fusion.outcome] += 1
+        self._since_used[fusion.outcome] += 1
+        if not self._stamps or stamp > self._stamps[-1]:
+            self._stamps.append(stamp)
         if fusion.outcome is Outcome.GATE:
             self.last_rejected = fusion.innovation
         elif fusion.outcome.accepted:
             self.last_rejected = None
+            self._since_used.clear()
         return fusion
+
+    @property
+    def image_period(self) -> float:
+        """Usual time between two images [s], whatever they show; 0 before there are three."""
+        return float(np.median(np.diff(self._stamps))) if len(self._stamps) > 2 else 0.0
+
+    @property
+    def why_unseen(self) -> str:
+        """In words, why no image has been used of late."""
+        return why_unused(self._since_used, self.last_rejected)
 
     def estimate(self, stamp: float | None = None) -> DockEstimate | None:
         """The dock at `stamp` (default: that of the newest odometry); None before it was found or without odometry."""
@@ -181,5 +199,7 @@ class DockObserver:
         """Covariance (3, 3) of how far the odometry of a slipping chair may have moved the dock between two images."""
         p, last, first = self.parameters, max(SLIPS), before if before.stamp <= now.stamp else now
         F, Q = transition(dock, first, now if first is before else before, p, last)
-        spread = np.diag([0.0, 0.0, 0.0, p.scale_sd**2, p.heading_scale_sd**2, p.heading_drift_sd**2, p.gyro_bias_sd**2])
+        spread = np.diag(
+            [0.0, 0.0, 0.0, p.scale_sd**2, p.heading_scale_sd**2, p.heading_drift_sd**2, p.gyro_bias_sd**2]
+        )
         return np.asarray((F @ spread @ F.T + Q)[:3, :3])

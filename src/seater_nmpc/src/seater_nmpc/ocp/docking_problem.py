@@ -77,6 +77,9 @@ class DockingProblem(Problem):
             total[where, where] += step_curvature(x[z], x[u], force, h, self._parameters.integrator)
         return ca.Function("curvature", [x, p, lam_g], [ca.triu(total)])
 
+    def _slow_columns(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        return self._columns[1:, 3], self._columns[1:, 4]
+
     def _initial(self, state: Array) -> Array:
         return self._within_speed_limits(state)
 

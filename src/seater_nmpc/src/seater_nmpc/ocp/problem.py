@@ -21,6 +21,8 @@ from seater_nmpc.programme import Plan, ProblemData, StageProgramme
 
 Array = NDArray[np.float64]
 
+_EASILY = 0.9  # fraction of the largest deceleration with which a new limit of speed is reached
+
 
 class Problem(ABC):
     """What the formulations share; a subclass puts the programme together in `_build`.
@@ -66,16 +68,33 @@ class Problem(ABC):
         areas: Areas | None,
         lines: Array | None = None,
         acceleration: tuple[float, float] = (0.0, 0.0),
+        slow: tuple[float, float] | None = None,
     ) -> ProblemData:
         """The instance for the initial state (x, y, theta, v, omega), the areas and the `lines` of obstacles, all in
-        the target's frame; `acceleration` (dv/dt, domega/dt) is the last one, for the limits of jerk."""
+        the target's frame; `acceleration` (dv/dt, domega/dt) is the last one, for the limits of jerk; `slow`: limits
+        of |v| and |omega| that hold as soon as the chair can have slowed down to them."""
         p, lower, upper = (values.copy() for values in self._at(areas))
-        lower[self._z[0]] = upper[self._z[0]] = self._initial(state)
+        initial = self._initial(state)
+        if slow is not None:
+            self._slow_down(initial, slow, lower, upper)
+        lower[self._z[0]] = upper[self._z[0]] = initial
         if self._jerk is not None:
             p[self._jerk.where] = acceleration
         if self._areas is not None and areas is not None:
             self._areas.set_lines(lines, p, lower, upper)
         return ProblemData(p=p, lbx=lower, ubx=upper, lbg=self._g_lower, ubg=self._g_upper)
+
+    def _slow_down(self, initial: Array, slow: tuple[float, float], lower: Array, upper: Array) -> None:
+        rates, limits = (self._chair.limits.a_max, self._chair.limits.alpha_max), self._slow_columns()
+        for columns, start, limit, rate in zip(limits, initial[-2:], slow, rates, strict=True):
+            reachable = np.maximum(limit, abs(float(start)) - _EASILY * rate * self._times[-len(columns) :])
+            upper[columns] = np.minimum(upper[columns], reachable)
+            lower[columns] = np.maximum(lower[columns], -reachable)
+
+    def _slow_columns(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Where v and omega of the stages after the first stand in the variables."""
+        none = np.zeros(0, dtype=np.intp)
+        return none, none
 
     def _at(self, areas: Areas | None) -> tuple[Array, Array, Array]:
         """Parameters and bounds where the areas are; kept, for an instance comes each cycle and the areas stay."""

@@ -29,7 +29,11 @@ class ObserverParameters:
     )
     calibration_heading: float = param(0.002, "rad", "the same for the heading", low=0.0, high=0.2)
     odometry_scale: float = param(
-        0.0, "", "relative error of odometry distances, as identified: it measures (1 + this) of the way", low=-0.5, high=1.0
+        0.0,
+        "",
+        "relative error of odometry distances, as identified: it measures (1 + this) of the way",
+        low=-0.5,
+        high=1.0,
     )
     odometry_heading_scale: float = param(0.0, "", "the same for turns", low=-0.5, high=1.0)
     odometry_heading_drift: float = param(0.0, "rad/m", "turn that it measures per metre driven", low=-0.5, high=0.5)
@@ -50,7 +54,11 @@ class ObserverParameters:
         0.004, "rad/sqrt(rad)", "random turn after 1 rad turned, standard deviation", low=0.0, high=1.0
     )
     slip_distance_noise: float = param(
-        0.06, "m/sqrt(m)", "random error of distances of wheels that slip, after 1 m, standard deviation", low=0.0, high=1.0
+        0.06,
+        "m/sqrt(m)",
+        "random error of distances of wheels that slip, after 1 m, standard deviation",
+        low=0.0,
+        high=1.0,
     )
     slip_heading_noise: float = param(
         0.12, "rad/sqrt(m)", "random turn of wheels that slip, after 1 m driven", low=0.0, high=1.0

@@ -48,7 +48,9 @@ class SequenceParameters:
     release_position: float = param(
         0.008, "m", "distance beyond which small moves do not help any more", low=0.0002, high=0.2
     )
-    release_heading: float = param(0.014, "rad", "heading error beyond which the chair does not stay", low=0.0002, high=0.4)
+    release_heading: float = param(
+        0.014, "rad", "heading error beyond which the chair does not stay", low=0.0002, high=0.4
+    )
     max_moves: int = param(6, "", "small moves on the spot before the chair stays or tries again", low=0, high=20)
     move_measurements: int = param(3, "", "fresh measurements averaged before a small move", low=1, high=100)
     settle_time: float = param(
@@ -62,6 +64,9 @@ class SequenceParameters:
     verify_measurements: int = param(10, "", "fresh measurements averaged for verification", low=1, high=1000)
     max_blind_distance: float = param(0.3, "m", "distance driven by odometry alone before stopping", low=0.01, high=3.0)
     max_blind_time: float = param(3.0, "s", "time driven by odometry alone before stopping", low=0.1, high=60.0)
+    max_blind_wait: float = param(
+        6.0, "s", "time that the chair then stands and waits to see the dock again", low=0.0, high=120.0
+    )
     odometry_timeout: float = param(0.3, "s", "age of the odometry at which it counts as lost", low=0.02, high=5.0)
     obstacle_timeout: float = param(
         0.0, "s", "how long a message on `obstacles` holds; 0: until the next", low=0.0, high=3600.0

@@ -1,4 +1,4 @@
-"""What is to be done with a chair that has come to rest near the dock: leave it there, move it a little, or try again."""
+"""What is to be done with a chair at rest near the dock: leave it there, move it a little, or try again."""
 
 from __future__ import annotations
 

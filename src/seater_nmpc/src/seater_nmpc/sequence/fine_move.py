@@ -70,4 +70,3 @@ class FineMove:
             return 0.0  # another direction: nothing is known
         short = max(0.0, self._done - abs(self._begin - left))
         return self.resistance + min(short / max(self._time, 0.5 * _DURATION), self._axis.most_more)
-

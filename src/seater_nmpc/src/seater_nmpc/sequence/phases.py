@@ -30,8 +30,9 @@ from seater_nmpc.sequence.verification import Verdict, Verification, within
 Array = NDArray[np.float64]
 
 STANDING = Command(v=0.0, omega=0.0)
-_MOVING = (Phase.APPROACH, Phase.FINAL, Phase.RETRY)
+_MOVING = (Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.CORRECTING)
 _UNDOCKED_SPEED = 0.1  # [m/s] below which the chair near the predock point has arrived there
+_IMAGES_THAT_MAY_FAIL = 4  # in a row, the time until the next one arrives reckoned in
 _STOPPING_MARGIN = 0.001  # [m] short of the dock at which the chair is stopped for good
 _UNSEEN = 2.0  # [s] that a standing chair waits for images before verification decides
 _VERDICTS = {
@@ -90,11 +91,40 @@ class Phases:
         self.error: Array | None = None  # (3,) the chair in the dock's frame, once known
         self.T_odom_dock: Array | None = None
         self._controller.history.clear()  # whoever drove until now did not say
+        self._blind_since: float | None = None
+        self._controller.set_speed_limit()
         self._enter(phase)
 
     def command(self, chair: Instant) -> Command:
         """What the present phase asks for. Raises GoalEnd."""
+        if self.phase in _MOVING:
+            waiting = self._wait_for_sight(chair)
+            if waiting is not None:
+                return waiting
+            self._limit_speed()
         return self._handlers[self.phase](chair)
+
+    def _wait_for_sight(self, chair: Instant) -> Command | None:
+        """Stand while the dock has not been seen for too long; not for ever."""
+        estimate, p = self._observer.estimate(chair.stamp), self._parameters
+        if estimate is None:
+            raise GoalEnd(ResultCode.MARKER_LOST, "the dock is not known")
+        if not self.blind(estimate):
+            self._blind_since = None
+            return None
+        if self._blind_since is None:
+            self._blind_since = chair.stamp
+            self._controller.reset()
+        if chair.stamp - self._blind_since > p.max_blind_wait:
+            how = f"no marker used for {estimate.blind_distance:.2f} m and {estimate.age:.1f} s"
+            raise GoalEnd(ResultCode.MARKER_LOST, f"{how}: {self._observer.why_unseen}")
+        return replace(STANDING, text=f"waits to see the dock: {self._observer.why_unseen}")
+
+    def _limit_speed(self) -> None:
+        """So that a few images may fail before the chair has driven `max_blind_distance`."""
+        period = self._observer.image_period
+        v = self._parameters.max_blind_distance / max(_IMAGES_THAT_MAY_FAIL * period, 1e-3)
+        self._controller.set_speed_limit(v=v, why=f"images come only every {period:.2f} s")
 
     def blind(self, estimate: DockEstimate) -> bool:
         """Whether the dock was seen too long ago, in time or way driven, to move towards it."""
@@ -117,9 +147,6 @@ class Phases:
         estimate = self._observer.estimate(chair.stamp)
         if estimate is None:
             raise GoalEnd(ResultCode.MARKER_LOST, "the dock is not known")
-        if self.phase in _MOVING and self.blind(estimate):
-            how = f"{estimate.blind_distance:.2f} m and {estimate.age:.1f} s"
-            raise GoalEnd(ResultCode.MARKER_LOST, f"no marker seen for {how}")
         self.T_odom_dock = estimate.pose
         self.error = relative(estimate.pose, chair.pose)
         return self.error
