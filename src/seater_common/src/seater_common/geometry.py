@@ -105,7 +105,9 @@ class Bay:
 
     width: float = param(1.0, "m", "between the side walls", low=0.1, high=10.0)
     back_wall_x: float = param(0.9, "m", "back wall ahead of the docked axle", low=0.0, high=10.0)
-    side_wall_length: float = param(0.9, "m", "how far the side walls run out from the back wall", low=0.0, high=10.0)
+    side_wall_length: float = param(
+        0.9, "m", "how far the side walls run out from the back wall; 0: there are none", low=0.0, high=10.0
+    )
     wall_thickness: float = param(0.10, "m", "of the side walls", low=0.01, high=1.0)
     wall_height: float = param(1.2, "m", "of all walls", low=0.1, high=4.0)
 
@@ -115,7 +117,10 @@ class Bay:
         return self.back_wall_x - self.side_wall_length
 
     def side_walls(self) -> list[Array]:
-        """Left and right wall as convex polygons, (4, 2) [m] each, anticlockwise, in the dock frame."""
+        """Left and right wall as convex polygons, (4, 2) [m] each, anticlockwise, in the dock frame; none of an open
+        dock (side_wall_length 0)."""
+        if self.side_wall_length <= 0.0:
+            return []
         inner, outer = 0.5 * self.width, 0.5 * self.width + self.wall_thickness
         near, far = self.entrance_x, self.back_wall_x
         left = np.array([[near, inner], [far, inner], [far, outer], [near, outer]])
@@ -123,7 +128,7 @@ class Bay:
         return [left, right]
 
     def outlines(self) -> list[Array]:
-        """Both side walls and the back wall, as `side_walls`."""
+        """Side walls and the back wall, as `side_walls`."""
         half, x = 0.5 * self.width + self.wall_thickness, self.back_wall_x
         back = np.array([[x, -half], [x + self.wall_thickness, -half], [x + self.wall_thickness, half], [x, half]])
         return [*self.side_walls(), back]

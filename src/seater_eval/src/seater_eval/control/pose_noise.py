@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock, Marker, pose_matrix
 from seater_common.params import param
 from seater_nmpc.observe.measurement import Hypothesis
-from seater_sim.camera.camera_model import CameraModel
 
 Array = NDArray[np.float64]
 

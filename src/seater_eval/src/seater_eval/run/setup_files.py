@@ -8,11 +8,11 @@ from typing import Any
 
 import yaml
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError, load
 from seater_eval.run.config_files import load_chair, load_dock
 from seater_nmpc.parameters import NmpcParameters
-from seater_sim.camera.camera_model import CameraModel
 from seater_sim.settings import SimulatorSettings
 
 

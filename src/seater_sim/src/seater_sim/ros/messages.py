@@ -12,9 +12,9 @@ from nav_msgs.msg import Odometry
 from numpy.typing import ArrayLike, NDArray
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import CameraMount, rotation_rpy
 from seater_msgs.msg import ObstacleArray
-from seater_sim.camera.camera_model import CameraModel
 from seater_sim.chair.odometry import VARIANCE_FLOOR, OdometrySample
 from seater_sim.loop.simulator import SimulatedImage, Truth
 from seater_sim.settings import NANOSECONDS, CameraSettings, Obstacle
