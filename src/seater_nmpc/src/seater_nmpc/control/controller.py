@@ -65,7 +65,7 @@ class DockingController:
         `camera`: what keeps the markers in view; None: a narrow one is reckoned with."""
         self._chair, self._dock = chair, dock
         self.parameters = parameters or ControlParameters()
-        self._areas = dock_areas(dock, camera) if self.parameters.walls else None
+        self._areas = dock_areas(dock, chair.camera, camera) if self.parameters.walls else None
         self._replanner = Replanner(chair, self.parameters, self._areas, deterministic=deterministic, solver=solver)
         self.history = CommandHistory(self.parameters.prediction)  # of all that the chair is asked for, by whomever
         self._commands, self._begins = self.history.view(), True

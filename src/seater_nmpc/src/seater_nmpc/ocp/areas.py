@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from numpy.typing import ArrayLike
 
 from seater_common.camera_model import CameraModel
-from seater_common.geometry import Dock
+from seater_common.geometry import CameraMount, Dock
 from seater_common.se2 import inverse
 from seater_nmpc.ocp.constraints.bay_speed import BayEntrance
 from seater_nmpc.ocp.constraints.corners import Corners, side_wall_corners
@@ -39,12 +39,15 @@ class Areas:
         return Areas(*(part.transformed(change) for part in self.parts))  # type: ignore[arg-type]
 
 
-def dock_areas(dock: Dock, camera: CameraModel | None = None) -> Areas:
-    """The bay's walls and speed limit, and the outermost markers, in the dock's frame; `camera`: None when unknown."""
+def dock_areas(dock: Dock, mount: CameraMount | None = None, camera: CameraModel | None = None) -> Areas:
+    """The bay's walls and speed limit, and the markers to keep in view, in the dock's frame.
+
+    `mount` and `camera` of the chair's camera; None: not known.
+    """
     bay = dock.bay
     return Areas(
         Walls((HalfPlane(0.0, bay.back_wall_x),)),
         side_wall_corners(bay),
         BayEntrance(HalfPlane(0.0, bay.entrance_x)),
-        markers_to_keep(dock, camera),
+        markers_to_keep(dock, mount, camera),
     )

@@ -13,7 +13,7 @@ from seater_common.camera_model import CameraModel
 from seater_common.field_of_view import FieldOfView
 from seater_common.geometry import CameraMount, Chair, Dock
 from seater_common.se2 import transform_points
-from seater_common.sight import marker_edges
+from seater_common.sight import Sight, marker_edges
 from seater_nmpc.ocp.constraints.interface import AreaConstraint, Slack, Stage
 from seater_nmpc.parameters import ControlParameters
 from seater_nmpc.programme import StageProgramme
@@ -65,14 +65,20 @@ class View:
         return ViewConstraint(chair.camera, field, (self.left[2], self.right[2]), programme)
 
 
-def markers_to_keep(dock: Dock, camera: CameraModel | None = None) -> View:
+def markers_to_keep(dock: Dock, mount: CameraMount | None = None, camera: CameraModel | None = None) -> View:
     """In the dock's frame: the ends of all markers of an open dock, else of those nearest to the dock's axis.
 
-    Side walls hide an outer marker from half of all ways into the bay, and then it is of no use in the image.
+    Side walls hide an outer marker from half of all ways into the bay, and then it is of no use in the image. With a
+    mount given, only those count that the docked chair sees, where it sees any: no other can be kept to the end.
     """
-    off_axis = [abs(marker.position[1]) for marker in dock.markers]
-    farthest = min(off_axis) + _SAME_PLACE if dock.bay.side_wall_length > 0.0 else math.inf
-    ends = [marker_edges(dock, index) for index, off in enumerate(off_axis) if off <= farthest]
+    chosen = list(range(len(dock.markers)))
+    if dock.bay.side_wall_length > 0.0:
+        if mount is not None:
+            seen = Sight(mount, dock, kept_field(camera, 0.0)).seen(np.zeros((1, 3)))[0]
+            chosen = np.flatnonzero(seen).tolist() or chosen
+        off_axis = [abs(dock.markers[index].position[1]) for index in chosen]
+        chosen = [i for i, off in zip(chosen, off_axis, strict=True) if off <= min(off_axis) + _SAME_PLACE]
+    ends = [marker_edges(dock, index) for index in chosen]
     left = max((right for _, right in ends), key=lambda end: float(end[1]))
     right = min((left for left, _ in ends), key=lambda end: float(end[1]))
     return View(_point(left), _point(right), camera)
