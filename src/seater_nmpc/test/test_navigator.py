@@ -140,6 +140,22 @@ def test_the_guide_asks_for_the_turning_point_then_for_the_end() -> None:
     assert guide.away([-0.5, 0.3, 0.0]) == pytest.approx(0.3)
 
 
+def test_a_chair_that_stands_near_a_turning_point_turns_round() -> None:
+    """13 cm and 0.29 rad off, more than counts as reached: after two seconds on the spot, and not while it moves."""
+    poses = np.array([[-1.4, -1.3, 0.46], [-0.9, -0.7, 0.46], [-1.2, -0.8, 0.0], [-2.5, -0.8, 0.0]])
+    guide = Guide(Path(poses, np.array([False, False, True, True]), 1.0), PARAMETERS)
+    for k in range(60):
+        guide.target([-0.77 - 0.001 * k, -0.70, 0.75], math.inf)
+    assert not guide.last_leg
+    for _ in range(45):
+        guide.target([-0.77, -0.70, 0.75], math.inf)
+    assert guide.last_leg and guide.target([-0.77, -0.70, 0.75], math.inf) == pytest.approx(poses[-1])
+    far = Guide(Path(poses, np.array([False, False, True, True]), 1.0), PARAMETERS)
+    for _ in range(60):
+        far.target([-1.4, -1.3, 0.46], math.inf)
+    assert not far.last_leg
+
+
 def test_the_navigator_plans_anew_when_obstacles_move_or_the_chair_strays() -> None:
     navigator = Navigator(CHAIR, DOCK, CONTROL, replace(PARAMETERS, cell=0.2))
     navigator.see([])

@@ -19,6 +19,7 @@ from seater_nmpc.plan.planner import Planner
 Array = NDArray[np.float64]
 
 _LOOKAHEADS = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)  # fractions of `lookahead` that are tried, the farthest first
+_VIEW_RESERVE = 0.08  # [rad] inside the view that the controller keeps: the chair strays from the path by as much
 _LANE_STEPS = 12  # poses between the chair and the bay at which the straight way is looked at
 
 
@@ -35,7 +36,7 @@ class Navigator:
     ) -> None:
         """`camera`: as the controller's (see kept_field)."""
         self._dock, self._parameters = dock, parameters or PlannerParameters()
-        field = kept_field(camera, control.view_half_angle)
+        field = kept_field(camera, control.view_half_angle).narrowed(_VIEW_RESERVE)
         self._planner = Planner(chair, dock, self._parameters, control.margin, field)
         self._gate_x = final_straight_x(chair, dock)
         self._guide: Guide | None = None
