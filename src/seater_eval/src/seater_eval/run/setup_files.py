@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import logging
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,6 +48,10 @@ class SetupFiles:
         folder = Path(config)
         names = {"dock": "docks/default.yaml", "camera": "cameras/d455.yaml"}
         return cls(**{key: folder / names.get(key, f"{key}.yaml") for key in cls.__dataclass_fields__})
+
+    def paths(self) -> dict[str, Path]:
+        """By what they hold: chair, dock, ..."""
+        return dataclasses.asdict(self)
 
     def checked(self) -> dict[str, Path]:
         """Those behind the checks across files, by the name that these give them."""
