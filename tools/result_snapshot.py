@@ -30,6 +30,7 @@ import yaml
 from numpy.typing import NDArray
 
 import seater_perception as sp
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair
 from seater_eval.control.controller_campaign import run_campaign
 from seater_eval.perception.images.degraded_camera import load_degraded_camera
@@ -39,7 +40,6 @@ from seater_eval.perception.images.scenes import upright
 from seater_eval.run.config_files import load_dock
 from seater_eval.run.progress import progress_bar
 from seater_sim.camera.camera import Camera
-from seater_sim.camera.camera_model import CameraModel
 
 ROOT = Path(__file__).resolve().parent.parent
 PHOTOGRAPHS = ROOT.parent / "shared" / "data" / "real_markers"

@@ -40,6 +40,14 @@ class LaunchFiles(unittest.TestCase):
             self.assertEqual(values[f"/{node}/chair/camera/x"], 0.33)
             self.assertEqual(values[f"/{node}/chair/camera/pitch"], 0.12)
 
+    def test_the_cameras_calibration_reaches_the_controller(self) -> None:
+        file = str(Path(rospkg.RosPack().get_path("seater_config")) / "cameras" / "d455.yaml")
+        self.assertEqual(parameters("sim.launch")["/docking/camera/image_width"], 1280)
+        self.assertNotIn("/docking/camera/image_width", parameters("wheelchair.launch"))
+        values = parameters("wheelchair.launch", f"camera_file:={file}", "rectified:=true")
+        self.assertEqual(values["/docking/camera/image_width"], 1280)
+        self.assertIs(values["/docking/rectified"], True)
+
     def test_record_and_replay(self) -> None:
         self.assertEqual(nodes("record.launch", "bag:=x.bag"), {"/record"})
         self.assertEqual(nodes("replay.launch", "bag:=x.bag"), {"/marker_detector", "/docking", "/replay"})

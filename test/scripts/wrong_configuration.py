@@ -31,8 +31,9 @@ def everything() -> dict:
 
 
 class WrongConfiguration(unittest.TestCase):
-    def refuses(self, package: str, executable: str, path: str, value: object) -> None:
-        """With the parameter at `path` replaced (None: removed) the node ends by itself and names the key."""
+    def refuses(self, package: str, executable: str, path: str, value: object, says: tuple[str, ...] = ()) -> None:
+        """With the parameter at `path` replaced (None: removed) the node ends by itself and names the key, or `says`
+        something else."""
         node = f"{executable}_{path.replace('/', '_')}"
         values = everything()
         *parents, last = path.split("/")
@@ -46,7 +47,8 @@ class WrongConfiguration(unittest.TestCase):
         command = ["rosrun", package, executable, f"__name:={node}"]
         run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60)
         self.assertNotEqual(run.returncode, 0, run.stdout)
-        self.assertIn(path, run.stdout)
+        for words in says or (path,):
+            self.assertIn(words, run.stdout)
         self.assertNotIn("Traceback", run.stdout)
         if value is not None:
             self.assertIn(str(value), run.stdout)
@@ -55,6 +57,11 @@ class WrongConfiguration(unittest.TestCase):
         self.refuses("seater_nmpc", "docking_node", "chair/limits/v_max", None)
         self.refuses("seater_nmpc", "docking_node", "chair/limits/v_max", -1.5)
         self.refuses("seater_nmpc", "docking_node", "dock/tolerance/position", "wide")
+        self.refuses("seater_nmpc", "docking_node", "camera/distortion_model", "fisheye")
+
+    def test_a_chair_that_does_not_fit_into_the_bay(self) -> None:
+        """Before anything moves, naming both keys."""
+        self.refuses("seater_nmpc", "docking_node", "dock/bay/width", 0.7, says=("dock bay/width", "chair width"))
 
     def test_sim_node(self) -> None:
         self.refuses("seater_sim", "sim_node", "chair/width", None)

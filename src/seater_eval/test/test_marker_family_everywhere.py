@@ -9,6 +9,7 @@ import yaml
 from numpy.typing import NDArray
 
 import seater_perception as sp
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_common.marker_family import marker_family, predefined_names
 from seater_eval.perception.images.degraded_camera import load_degraded_camera
@@ -16,7 +17,6 @@ from seater_eval.perception.images.render import Print, clean_image, corners_of,
 from seater_eval.perception.peers import make_peer
 from seater_eval.perception.subject import camera_model
 from seater_sim.camera.camera import Camera
-from seater_sim.camera.camera_model import CameraModel
 from seater_sim.settings import CameraSettings
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"

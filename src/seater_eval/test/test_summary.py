@@ -117,3 +117,9 @@ def test_a_backward_dock_is_judged_with_the_back_to_the_wall() -> None:
     summary = summarize(run, Dock(direction="backward"), Chair())
     assert summary["docked"] and summary["true_error"]["heading_deg"] == pytest.approx(0.2)
     assert not summarize(run, Dock(), Chair())["docked"]
+
+
+def test_files_of_the_run_are_named() -> None:
+    summary = summarize(straight_run(), Dock(), Chair())
+    assert "dock file" not in table(summary)
+    assert "/some/my_dock.yaml" in table(summary | {"files": {"dock": "/some/my_dock.yaml"}})

@@ -9,11 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 SOURCES = Path(__file__).resolve().parents[2]
 for package in ("seater_nmpc", "seater_common"):
     sys.path.insert(0, str(SOURCES / package / "src"))
 
+from seater_common.camera_model import CameraModel  # noqa: E402
 from seater_common.geometry import Chair, Dock, clearance, pose_matrix  # noqa: E402
 from seater_common.se2 import arc_step, compose, inverse  # noqa: E402
 from seater_nmpc.control.command import Command  # noqa: E402
@@ -28,6 +30,7 @@ from seater_nmpc.sequence.results import Step  # noqa: E402
 from seater_nmpc.sequence.vehicle import Vehicle  # noqa: E402
 
 T_ODOM_DOCK = np.array([1.0, 2.0, 0.7])
+CAMERA = CameraModel.from_mapping(yaml.safe_load((SOURCES.parent / "config/cameras/d455.yaml").read_text()))
 NOISE = (0.002, 0.003)  # standard deviations of an image's pose [m, rad]
 
 
@@ -99,20 +102,22 @@ class World:
 @pytest.fixture(scope="session")
 def controller() -> DockingController:
     """The controller with its quickest solver."""
-    return DockingController(Chair(), Dock(), replace(ControlParameters(), solver="rti"), deterministic=True)
+    return DockingController(
+        Chair(), Dock(), replace(ControlParameters(), solver="rti"), deterministic=True, camera=CAMERA
+    )
 
 
 @pytest.fixture(scope="session")
 def quick_controller() -> DockingController:
     """Sees as far with half the steps: for sequences, which are not about the last millimetre."""
     parameters = replace(ControlParameters(), solver="rti", horizon=15, step=0.2)
-    return DockingController(Chair(), Dock(), parameters, deterministic=True)
+    return DockingController(Chair(), Dock(), parameters, deterministic=True, camera=CAMERA)
 
 
 @pytest.fixture(scope="session")
 def navigator() -> Navigator:
     """One whose search is made once; a sequence begins anew with it."""
-    return Navigator(Chair(), Dock(), ControlParameters())
+    return Navigator(Chair(), Dock(), ControlParameters(), camera=CAMERA)
 
 
 @pytest.fixture

@@ -7,15 +7,18 @@ import numpy as np
 import pytest
 from driving import distance_to
 
+from seater_common.field_of_view import FieldOfView
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import relative
 from seater_nmpc.parameters import ControlParameters, PlannerParameters
+from seater_nmpc.plan.free_space import FINAL_STRAIGHT
 from seater_nmpc.plan.guide import Guide
 from seater_nmpc.plan.lattice import Lattice
 from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.plan.planner import Path, Planner
 
 CHAIR, DOCK, PARAMETERS, CONTROL = Chair(), Dock(), PlannerParameters(), ControlParameters()
+FIELD = FieldOfView.symmetric(0.6)
 BESIDE_THE_BAY = (-1.2, 0.8, -0.2)
 BOX = np.array([[-2.4, -0.5], [-1.9, -0.5], [-1.9, 0.5], [-2.4, 0.5]])
 BEHIND_THE_BOX = (-4.0, 0.0, 0.0)
@@ -23,12 +26,12 @@ BEHIND_THE_BOX = (-4.0, 0.0, 0.0)
 
 @pytest.fixture(scope="module")
 def planner() -> Planner:
-    return Planner(CHAIR, DOCK, PARAMETERS, CONTROL.margin, CONTROL.view_half_angle)
+    return Planner(CHAIR, DOCK, PARAMETERS, CONTROL.margin, FIELD)
 
 
 @pytest.fixture(scope="module")
 def boxed() -> Planner:
-    planner = Planner(CHAIR, DOCK, PARAMETERS, CONTROL.margin, CONTROL.view_half_angle)
+    planner = Planner(CHAIR, DOCK, PARAMETERS, CONTROL.margin, FIELD)
     planner.set_obstacles([BOX])
     return planner
 
@@ -74,7 +77,7 @@ def test_the_way_leads_round_a_box_and_is_longer(planner: Planner, boxed: Planne
 
 def test_no_way_in_is_said(boxed: Planner) -> None:
     assert boxed.open
-    planner = Planner(CHAIR, DOCK, PARAMETERS, CONTROL.margin, CONTROL.view_half_angle)
+    planner = Planner(CHAIR, DOCK, PARAMETERS, CONTROL.margin, FIELD)
     planner.set_obstacles([np.array([[-0.5, -0.2], [-0.2, -0.2], [-0.2, 0.2], [-0.5, 0.2]])])
     assert not planner.open and planner.path(BEHIND_THE_BOX) is None
 
@@ -85,8 +88,46 @@ def test_an_obstacle_in_the_bay_leaves_no_way_in() -> None:
     assert navigator.blocked() and not navigator.straight_way_clear((-1.5, 0.0, 0.0))
 
 
-def test_out_of_the_lattice_there_is_no_path(planner: Planner) -> None:
-    assert planner.path((-20.0, 0.0, 0.0)) is None
+ROUND_THE_CHAIR = [
+    np.array([[-3.2, -1.0], [-2.2, -1.0], [-2.2, -0.9], [-3.2, -0.9]]),
+    np.array([[-3.2, 0.9], [-2.2, 0.9], [-2.2, 1.0], [-3.2, 1.0]]),
+    np.array([[-3.3, -1.0], [-3.2, -1.0], [-3.2, 1.0], [-3.3, 1.0]]),
+    np.array([[-1.8, -1.0], [-1.7, -1.0], [-1.7, 1.0], [-1.8, 1.0]]),
+]
+
+
+@pytest.mark.parametrize(
+    ("start", "dock", "obstacles", "words"),
+    [
+        ((-20.0, 0.0, 0.0), DOCK, [], "outside the searched area: up to 5.5 m ahead of the dock"),
+        ((-2.5, 0.0, 0.0), replace(DOCK, bay=replace(DOCK.bay, width=0.8)), [], "width of 0.800 m leaves 0.075 m"),
+        ((-2.5, 0.0, 0.0), DOCK, [BOX + [1.7, 0.0]], "obstacles leave no way into the bay"),
+        ((-2.35, 0.6, 0.0), DOCK, [BOX], "nearer than 0.080 m to an obstacle"),
+        ((0.0, 0.35, 0.0), DOCK, [], "nearer than 0.080 m to a wall"),
+        ((-2.7, 0.0, 0.0), DOCK, ROUND_THE_CHAIR, "walls and obstacles enclose the chair"),
+    ],
+)
+def test_no_way_is_explained(start, dock, obstacles, words) -> None:
+    """From each cause its own words; with a way again, none."""
+    navigator = Navigator(CHAIR, dock, CONTROL, PARAMETERS)
+    navigator.see(obstacles)
+    assert navigator.target(start) is None and words in navigator.reason
+    if dock is DOCK:
+        navigator.see([])
+        navigator.restart()
+        assert navigator.target((-2.5, 0.3, 0.0)) is not None and navigator.reason == ""
+
+
+def test_an_open_dock_is_reached_on_a_final_straight() -> None:
+    """No side walls: the way still joins the axis 0.3 m ahead of the dock, from beside it and from behind its line."""
+    dock = replace(DOCK, bay=replace(DOCK.bay, side_wall_length=0.0))
+    navigator = Navigator(CHAIR, dock, CONTROL, PARAMETERS)
+    for start in ((-2.5, 0.8, -0.35), (-0.3, 1.2, 0.0), (-1.0, -1.0, 1.5)):
+        navigator.restart()
+        assert navigator.target(start) is not None, navigator.reason
+        end = navigator._guide.rest()[-1]
+        assert end[0] <= -FINAL_STRAIGHT + 1e-9 and end[1:] == pytest.approx([0.0, 0.0])
+    assert navigator.straight_way_clear((-1.5, 0.0, 0.0))
 
 
 def test_the_guide_asks_for_the_turning_point_then_for_the_end() -> None:
@@ -97,6 +138,22 @@ def test_the_guide_asks_for_the_turning_point_then_for_the_end() -> None:
     assert guide.target([-0.8, 0.0, 0.0], math.inf) == pytest.approx([-1.0, 0.0, 0.0])
     assert guide.target([-0.95, 0.0, 0.0], math.inf) == pytest.approx([0.0, 0.0, 0.0]) and guide.last_leg
     assert guide.away([-0.5, 0.3, 0.0]) == pytest.approx(0.3)
+
+
+def test_a_chair_that_stands_near_a_turning_point_turns_round() -> None:
+    """13 cm and 0.29 rad off, more than counts as reached: after two seconds on the spot, and not while it moves."""
+    poses = np.array([[-1.4, -1.3, 0.46], [-0.9, -0.7, 0.46], [-1.2, -0.8, 0.0], [-2.5, -0.8, 0.0]])
+    guide = Guide(Path(poses, np.array([False, False, True, True]), 1.0), PARAMETERS)
+    for k in range(60):
+        guide.target([-0.77 - 0.001 * k, -0.70, 0.75], math.inf)
+    assert not guide.last_leg
+    for _ in range(45):
+        guide.target([-0.77, -0.70, 0.75], math.inf)
+    assert guide.last_leg and guide.target([-0.77, -0.70, 0.75], math.inf) == pytest.approx(poses[-1])
+    far = Guide(Path(poses, np.array([False, False, True, True]), 1.0), PARAMETERS)
+    for _ in range(60):
+        far.target([-1.4, -1.3, 0.46], math.inf)
+    assert not far.last_leg
 
 
 def test_the_navigator_plans_anew_when_obstacles_move_or_the_chair_strays() -> None:

@@ -10,6 +10,7 @@ from seater_nmpc.ocp.area_constraints import AreaConstraints
 from seater_nmpc.ocp.areas import dock_areas
 from seater_nmpc.ocp.constraints.corners import separating_angle
 from seater_nmpc.ocp.constraints.interface import Slack
+from seater_nmpc.ocp.constraints.view import UNKNOWN_CAMERA
 from seater_nmpc.ocp.docking_problem import DockingProblem
 from seater_nmpc.ocp.formulations import make_problem
 from seater_nmpc.parameters import ControlParameters, IpoptParameters, Weights
@@ -136,10 +137,10 @@ def test_a_marker_stays_in_view(problem, solver) -> None:
         return worst
 
     _, plan = solve(problem, solver, start, AREAS.in_frame(target))
-    assert farthest(plan) <= PARAMETERS.view_half_angle + 1e-3
+    assert farthest(plan) <= UNKNOWN_CAMERA + 1e-3
     careless = DockingProblem(CHAIR, replace(PARAMETERS, weights=replace(Weights(), view=0.0)), AREAS)
     _, plan = solve(careless, IpoptSolver(careless.functions, IpoptParameters()), start, AREAS.in_frame(target))
-    assert farthest(plan) > PARAMETERS.view_half_angle + 0.1
+    assert farthest(plan) > UNKNOWN_CAMERA + 0.1
 
 
 def test_a_plan_keeps_clear_of_polygons_that_come_at_run_time(problem, solver) -> None:

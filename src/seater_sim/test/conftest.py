@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 import yaml
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_sim.camera.camera import Camera
-from seater_sim.camera.camera_model import CameraModel
 from seater_sim.settings import CameraSettings
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"

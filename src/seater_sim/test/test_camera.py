@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import pytest
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Bay, Chair, Dock, Marker
 from seater_sim.camera.camera import Camera
-from seater_sim.camera.camera_model import CameraModel
 from seater_sim.settings import CameraSettings, Obstacle
 
 IDEAL = CameraSettings(blur_sd=0.0, noise_sd=0.0, vignetting=0.0, exposure=0.0)

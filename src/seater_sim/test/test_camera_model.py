@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 import pytest
 
+from seater_common.camera_model import CameraModel
 from seater_common.params import ParameterError
-from seater_sim.camera.camera_model import CameraModel
 
 
 @pytest.mark.parametrize("lens", ["plumb_bob", "rational_polynomial"])

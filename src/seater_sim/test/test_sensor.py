@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_sim.camera.camera import Camera
-from seater_sim.camera.camera_model import CameraModel
 from seater_sim.camera.sensor import Sensor
 from seater_sim.settings import CameraSettings
 

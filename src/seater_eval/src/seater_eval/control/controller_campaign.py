@@ -48,11 +48,12 @@ def _tools(config: str, solver: str) -> tuple[Setup, DockingController, Navigato
     """Made once in each process. No wall-time limit: a loaded machine decides the same."""
     setup = load_setup(config)
     if solver:
-        control = dataclasses.replace(setup.parameters.control, solver=solver)
-        setup = dataclasses.replace(setup, parameters=dataclasses.replace(setup.parameters, control=control))
-    controller = DockingController(setup.chair, setup.dock, setup.parameters.control, deterministic=True)
+        named = dataclasses.replace(setup.parameters.control, solver=solver)
+        setup = dataclasses.replace(setup, parameters=dataclasses.replace(setup.parameters, control=named))
+    control = setup.parameters.control
+    controller = DockingController(setup.chair, setup.dock, control, deterministic=True, camera=setup.camera)
     controller.warm_up()
-    navigator = Navigator(setup.chair, setup.dock, setup.parameters.control, setup.parameters.planner)
+    navigator = Navigator(setup.chair, setup.dock, control, setup.parameters.planner, setup.camera)
     return setup, controller, navigator, MinimumTime(setup.chair, setup.dock, setup.dock.tolerance)
 
 

@@ -4,21 +4,23 @@ The pose of the dock is found from the corners of all visible markers; each corn
 `corner_sigma`. To first order the error of the pose is then normal with covariance (J' J / sigma^2 + prior)^-1, J the
 Jacobian of the projection; the prior is that the dock stands upright (`tilt_sigma`, rotation about the two horizontal
 axes). That is how perception computes the covariance it publishes, and the error is drawn from it. It grows with
-distance by itself.
+distance by itself. Side walls hide markers as they do in rendered images; a marker that is partly hidden is not found.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock, Marker, pose_matrix
+from seater_common.occlusion import Prism, blocked, side_wall_prisms
 from seater_common.params import param
 from seater_nmpc.observe.measurement import Hypothesis
-from seater_sim.camera.camera_model import CameraModel
 
 Array = NDArray[np.float64]
 
@@ -36,11 +38,21 @@ class NoiseModel:
 class DockSensor:
     """Camera and markers; poses are base_link in the dock's frame."""
 
-    def __init__(self, chair: Chair, dock: Dock, camera: CameraModel, noise: NoiseModel | None = None) -> None:
+    def __init__(
+        self,
+        chair: Chair,
+        dock: Dock,
+        camera: CameraModel,
+        noise: NoiseModel | None = None,
+        obstacles: Sequence[Prism] = (),
+    ) -> None:
+        """`obstacles` hide markers as the bay's side walls do; in the dock's frame."""
         self._noise = noise or NoiseModel()
         self._width, self._height, self._K = camera.width, camera.height, camera.P[:, :3]
         self._T_optical_base = np.linalg.inv(chair.camera.T_base_optical())
         self._corners = np.concatenate([_corners_in_dock(marker) for marker in dock.markers])  # (4 n, 3), in the dock
+        self._outlines = _outlines(self._corners)
+        self._prisms = [*side_wall_prisms(dock.bay), *obstacles]
         self._normals = np.array([marker.T_dock_marker()[:3, 2] for marker in dock.markers])
 
     def T_optical_dock(self, T_dock_base: ArrayLike) -> Array:
@@ -84,7 +96,8 @@ class DockSensor:
         return np.flatnonzero(self._sides(T) >= self._noise.min_side).tolist()
 
     def _sides(self, T: Array) -> Array:
-        """Mean side of each marker in the image [px]; 0 when a corner is outside or the print is seen from behind."""
+        """Mean side of each marker in the image [px]; 0 when a corner is outside, the print is seen from behind, or
+        something stands before any part of it."""
         points = _transform(T, self._corners).reshape(-1, 4, 3)
         faces_us = np.einsum("ni,ni->n", self._normals @ T[:3, :3].T, points.mean(axis=1)) < 0.0
         candidates = np.flatnonzero(faces_us & np.all(points[:, :, 2] >= 0.05, axis=1))
@@ -94,13 +107,27 @@ class DockSensor:
         inside = np.all((pixels[:, :, :2] >= low) & (pixels[:, :, :2] <= high), axis=(1, 2))
         edges = pixels[:, [1, 2, 3, 0], :2] - pixels[:, :, :2]
         sides = np.zeros(len(points))
-        sides[candidates] = np.where(inside, np.hypot(edges[:, :, 0], edges[:, :, 1]).mean(axis=1), 0.0)
+        shown = inside & ~self._hidden(T)[candidates]
+        sides[candidates] = np.where(shown, np.hypot(edges[:, :, 0], edges[:, :, 1]).mean(axis=1), 0.0)
         return sides
+
+    def _hidden(self, T: Array) -> NDArray[np.bool_]:
+        """Whether a wall or an obstacle stands before each marker, or a part of it (its outline is looked at)."""
+        camera = -T[:3, :3].T @ T[:3, 3]
+        lines = blocked(camera[None], self._outlines, self._prisms)[0]
+        return np.asarray(lines.reshape(len(self._normals), -1).any(axis=1))
 
 
 def _corners_in_dock(marker: Marker) -> Array:
     T = marker.T_dock_marker()
     return _transform(T, marker.corners())
+
+
+def _outlines(corners: Array) -> Array:
+    """Corners (4 n, 3) and, after those of each marker, the middles of its sides: (8 n, 3)."""
+    squares = corners.reshape(-1, 4, 3)
+    middles = 0.5 * (squares + squares[:, [1, 2, 3, 0]])
+    return np.concatenate([squares, middles], axis=1).reshape(-1, 3)
 
 
 def _transform(T: Array, points: Array) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +13,18 @@ from seater_eval.docking.recording import read_recording
 from seater_eval.docking.summary import summarize, table
 
 
-def write_report(bag: Path, dock: Dock, chair: Chair, results: Path) -> dict[str, Any]:
-    """Writes summary.json and trajectory.png into `results` and returns the summary.
+def write_report(
+    bag: Path, dock: Dock, chair: Chair, results: Path, files: Mapping[str, Path] | None = None
+) -> dict[str, Any]:
+    """Writes summary.json and trajectory.png into `results` and returns the summary; `files`: what the run was made
+    with, where that is known.
 
     Raises RecordingError when the bag cannot serve.
     """
     recording = read_recording(bag)
     summary = summarize(recording, dock, chair)
+    if files is not None:
+        summary["files"] = {name: str(path) for name, path in files.items()}
     results.mkdir(parents=True, exist_ok=True)
     (results / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
     draw_docking(recording, summary, dock, chair, results / "trajectory.png")

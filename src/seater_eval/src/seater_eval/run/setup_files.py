@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import dataclasses
+import logging
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError, load
 from seater_eval.run.config_files import load_chair, load_dock
+from seater_nmpc.checks.setup import check_setup
 from seater_nmpc.parameters import NmpcParameters
-from seater_sim.camera.camera_model import CameraModel
+from seater_nmpc.sequence.vehicle import Vehicle
 from seater_sim.settings import SimulatorSettings
 
 
@@ -27,20 +31,65 @@ class Setup:
     camera: CameraModel
 
 
+@dataclass(frozen=True)
+class SetupFiles:
+    """Where each part of a set-up is read from."""
+
+    chair: Path
+    dock: Path
+    controller: Path
+    simulator: Path
+    camera: Path
+    perception: Path
+
+    @classmethod
+    def of(cls, config: str | Path) -> SetupFiles:
+        """The default ones in a folder like config/."""
+        folder = Path(config)
+        names = {"dock": "docks/default.yaml", "camera": "cameras/d455.yaml"}
+        return cls(**{key: folder / names.get(key, f"{key}.yaml") for key in cls.__dataclass_fields__})
+
+    def paths(self) -> dict[str, Path]:
+        """By what they hold: chair, dock, ..."""
+        return dataclasses.asdict(self)
+
+    def checked(self) -> dict[str, Path]:
+        """Those behind the checks across files, by the name that these give them."""
+        return {"chair": self.chair, "dock": self.dock, "controller": self.controller, "camera": self.camera}
+
+
 def load_setup(config: str | Path) -> Setup:
-    """From the folder of seater_config. Raises ParameterError, naming file and key; the evaluation docks forward
-    only."""
-    config = Path(config)
-    dock = load_dock(config / "docks" / "default.yaml")
-    if dock.direction != "forward":
-        raise ParameterError(f"{config}/docks/default.yaml: direction: is {dock.direction!r}, must be 'forward' here")
-    return Setup(
-        load_chair(config / "chair.yaml"),
-        dock,
-        load(NmpcParameters, _read(config / "controller.yaml"), "controller"),
-        load(SimulatorSettings, _read(config / "simulator.yaml"), "simulator"),
-        CameraModel.from_mapping(_read(config / "cameras" / "d455.yaml"), "d455"),
-    )
+    """From the folder of seater_config, made to fit together (see check_setup); warnings go to the log.
+
+    Raises ParameterError, naming file and key; the evaluation docks forward only.
+    """
+    files = SetupFiles.of(config)
+    setup, warnings = load_files(files)
+    if setup.dock.direction != "forward":
+        raise ParameterError(f"{files.dock}: direction: is {setup.dock.direction!r}, must be 'forward' here")
+    for text in warnings:
+        logging.getLogger(__name__).warning(text)
+    return setup
+
+
+def load_files(files: SetupFiles) -> tuple[Setup, list[str]]:
+    """The set-up, its parameters adjusted to chair and dock, and warnings about that.
+
+    Raises:
+        ParameterError: a file cannot be read, a key is wrong, or they do not fit together; names file and keys.
+    """
+    chair, dock = load_chair(files.chair), load_dock(files.dock)
+    parameters = load(NmpcParameters, _read(files.controller), str(files.controller))
+    simulator = load(SimulatorSettings, _read(files.simulator), str(files.simulator))
+    camera = CameraModel.from_mapping(_read(files.camera), str(files.camera))
+    if not isinstance(_read(files.perception), dict):
+        raise ParameterError(f"{files.perception}: must be a mapping like config/perception.yaml")
+    try:
+        driven = Vehicle(chair, dock).chair
+    except ValueError as error:
+        raise ParameterError(f"{files.chair}: {error}") from error
+    parameters, warnings = check_setup(driven, dock, parameters, camera, files.checked())
+    return Setup(chair, dock, parameters, simulator, camera), warnings
 
 
 def _read(path: Path) -> Any:

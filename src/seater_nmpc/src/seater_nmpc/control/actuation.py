@@ -1,4 +1,4 @@
-"""From the speeds that a plan wants to commands that this chair's motors obey, and what is learned from its response."""
+"""From the speeds that a plan wants to commands that these motors obey, and what is learned from their response."""
 
 from __future__ import annotations
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import compose, relative
 from seater_common.separation import convex_outline
@@ -64,11 +65,13 @@ class DockingController:
         *,
         deterministic: bool = False,
         solver: Solver | None = None,
+        camera: CameraModel | None = None,
     ) -> None:
-        """`deterministic`: no wall-time limit, so a slow machine decides the same. `solver` replaces the named one."""
+        """`deterministic`: no wall-time limit, so a slow machine decides the same. `solver` replaces the named one.
+        `camera`: what keeps the markers in view; None: a narrow one is reckoned with."""
         self._chair, self._dock = chair, dock
         self.parameters = parameters or ControlParameters()
-        self._areas = dock_areas(dock) if self.parameters.walls else None
+        self._areas = dock_areas(dock, chair.camera, camera) if self.parameters.walls else None
         self._replanner = Replanner(chair, self.parameters, self._areas, deterministic=deterministic, solver=solver)
         self.history = CommandHistory(self.parameters.prediction)  # of all that the chair is asked for, by whomever
         self._commands, self._begins = self.history.view(), True

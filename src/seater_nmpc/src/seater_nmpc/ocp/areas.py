@@ -6,12 +6,13 @@ from dataclasses import dataclass, fields
 
 from numpy.typing import ArrayLike
 
-from seater_common.geometry import Dock
+from seater_common.camera_model import CameraModel
+from seater_common.geometry import CameraMount, Dock
 from seater_common.se2 import inverse
 from seater_nmpc.ocp.constraints.bay_speed import BayEntrance
 from seater_nmpc.ocp.constraints.corners import Corners, side_wall_corners
 from seater_nmpc.ocp.constraints.interface import Area
-from seater_nmpc.ocp.constraints.view import View, outermost_markers
+from seater_nmpc.ocp.constraints.view import View, markers_to_keep
 from seater_nmpc.ocp.constraints.walls import HalfPlane, Walls
 
 
@@ -38,12 +39,15 @@ class Areas:
         return Areas(*(part.transformed(change) for part in self.parts))  # type: ignore[arg-type]
 
 
-def dock_areas(dock: Dock) -> Areas:
-    """The bay's walls and speed limit, and the outermost markers, in the dock's frame."""
+def dock_areas(dock: Dock, mount: CameraMount | None = None, camera: CameraModel | None = None) -> Areas:
+    """The bay's walls and speed limit, and the markers to keep in view, in the dock's frame.
+
+    `mount` and `camera` of the chair's camera; None: not known.
+    """
     bay = dock.bay
     return Areas(
         Walls((HalfPlane(0.0, bay.back_wall_x),)),
         side_wall_corners(bay),
         BayEntrance(HalfPlane(0.0, bay.entrance_x)),
-        outermost_markers(dock),
+        markers_to_keep(dock, mount, camera),
     )

@@ -152,7 +152,7 @@ class ControlParameters:
         0.6, "", "fraction of a_max with which the speed falls to the bay's limit ahead of the bay", low=0.05, high=1.0
     )
     view_half_angle: float = param(
-        0.60, "rad", "half of the horizontal field of view that keeps a marker", low=0.1, high=1.4
+        0.0, "rad", "markers stay within this angle of the camera's axis (0: as far as it sees)", low=0.0, high=1.4
     )
     weights: Weights = field(default_factory=Weights)
     paper: PaperWeights = field(default_factory=PaperWeights)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from seater_common.geometry import Chair, Dock
 from seater_nmpc.parameters import SequenceParameters
+from seater_nmpc.plan.free_space import final_straight_x
 
 Array = NDArray[np.float64]
 
@@ -16,7 +17,7 @@ class Corridor:
 
     def __init__(self, chair: Chair, dock: Dock, parameters: SequenceParameters) -> None:
         self._parameters = parameters
-        self._gate_x = dock.bay.entrance_x - parameters.gate_distance - chair.length_front
+        self._gate_x = final_straight_x(chair, dock) - parameters.gate_distance
 
     def contains(self, pose: Array) -> bool:
         """Whether lateral and heading error are small enough at this distance from the gate."""

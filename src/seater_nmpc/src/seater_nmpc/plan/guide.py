@@ -14,6 +14,10 @@ from seater_nmpc.plan.planner import Path
 Array = NDArray[np.float64]
 
 _WINDOW = 1.0  # [m] how far ahead along the way the chair's place on it is looked for
+# A chair that moves less than this (turns reckoned in) during so many calls [control cycles] stands. Next to a wall the
+# controller's plan may put off a small correction sideways for ever: 13 cm short of a turning point were seen.
+_STANDING_WAY, _STANDING_CALLS = 0.02, 40
+_NEAR_ENOUGH = 0.4  # [m] from the turning point, turns reckoned in: there a standing chair may turn round
 
 
 class Guide:
@@ -27,6 +31,8 @@ class Guide:
         self._parameters = parameters
         self._legs = _legs(path, parameters.turn_length)
         self._leg, self._place = 0, 0.0
+        self._stood_at: Array | None = None
+        self._stood = 0  # calls
 
     @property
     def single(self) -> bool:
@@ -41,8 +47,9 @@ class Guide:
     def target(self, pose: ArrayLike, lookahead: float) -> Array:
         """The pose to drive to from the chair's pose, at most `lookahead` [m] along the way."""
         pose = np.asarray(pose, dtype=float)
+        self._watch(pose)
         while not self.last_leg and self._reached(self._legs[self._leg][0][-1], pose):
-            self._leg, self._place = self._leg + 1, 0.0
+            self._leg, self._place, self._stood = self._leg + 1, 0.0, 0
         poses, places = self._legs[self._leg]
         window = (places >= self._place - 1e-9) & (places <= self._place + _WINDOW)
         near = np.flatnonzero(window)
@@ -63,8 +70,17 @@ class Guide:
         turn = wrap_angles(poses[:, 2] - pose[2])
         return np.asarray(np.hypot(*(poses[:, :2] - pose[:2]).T) + self._parameters.turn_length * np.abs(turn))
 
+    def _watch(self, pose: Array) -> None:
+        """Counts for how many calls the chair has stood."""
+        if self._stood_at is not None and float(self._away(self._stood_at[None], pose)[0]) <= _STANDING_WAY:
+            self._stood += 1
+        else:
+            self._stood_at, self._stood = pose, 0
+
     def _reached(self, end: Array, pose: Array) -> bool:
         p, error = self._parameters, relative(end, pose)
+        if self._stood >= _STANDING_CALLS and float(self._away(end[None], pose)[0]) <= _NEAR_ENOUGH:
+            return True
         return math.hypot(error[0], error[1]) <= p.reached_position and abs(error[2]) <= p.reached_heading
 
 

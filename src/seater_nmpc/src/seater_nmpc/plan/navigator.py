@@ -7,15 +7,19 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import wrap_angle
+from seater_nmpc.ocp.constraints.view import kept_field
 from seater_nmpc.parameters import ControlParameters, PlannerParameters
+from seater_nmpc.plan.free_space import final_straight_x
 from seater_nmpc.plan.guide import Guide
 from seater_nmpc.plan.planner import Planner
 
 Array = NDArray[np.float64]
 
 _LOOKAHEADS = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)  # fractions of `lookahead` that are tried, the farthest first
+_VIEW_RESERVE = 0.08  # [rad] inside the view that the controller keeps: the chair strays from the path by as much
 _LANE_STEPS = 12  # poses between the chair and the bay at which the straight way is looked at
 
 
@@ -23,11 +27,18 @@ class Navigator:
     """Targets on the way to the corridor, all in the dock's frame. One instance may serve many dockings."""
 
     def __init__(
-        self, chair: Chair, dock: Dock, control: ControlParameters, parameters: PlannerParameters | None = None
+        self,
+        chair: Chair,
+        dock: Dock,
+        control: ControlParameters,
+        parameters: PlannerParameters | None = None,
+        camera: CameraModel | None = None,
     ) -> None:
+        """`camera`: as the controller's (see kept_field)."""
         self._dock, self._parameters = dock, parameters or PlannerParameters()
-        self._planner = Planner(chair, dock, self._parameters, control.margin, control.view_half_angle)
-        self._gate_x = dock.bay.entrance_x - chair.length_front
+        field = kept_field(camera, control.view_half_angle).narrowed(_VIEW_RESERVE)
+        self._planner = Planner(chair, dock, self._parameters, control.margin, field)
+        self._gate_x = final_straight_x(chair, dock)
         self._guide: Guide | None = None
         self._tried = False
 
@@ -71,8 +82,13 @@ class Navigator:
         return target
 
     def blocked(self) -> bool:
-        """Whether obstacles leave no way into the bay, wherever the chair is."""
+        """Whether walls and obstacles leave no way into the bay, wherever the chair is."""
         return not self._planner.open
+
+    @property
+    def reason(self) -> str:
+        """Why there is no way, in words for the person who asked for the docking; empty while there is one."""
+        return self._planner.reason
 
     def straight_way_clear(self, pose: ArrayLike) -> bool:
         """Whether obstacles leave the straight way from `pose` to the bay, and on to the dock, free."""

@@ -8,7 +8,6 @@ controller drives along it.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,11 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
+from seater_common.field_of_view import FieldOfView
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import wrap_angles
-from seater_common.separation import edge_distances, footprints
-from seater_nmpc.ocp.constraints.view import outermost_markers
+from seater_common.sight import Sight
 from seater_nmpc.parameters import PlannerParameters
+from seater_nmpc.plan import no_way
+from seater_nmpc.plan.free_space import FreeSpace, final_straight_x
 from seater_nmpc.plan.lattice import BACKWARD, FORWARD, STAND, Lattice
 
 Array = NDArray[np.float64]
@@ -40,22 +41,22 @@ class Planner:
     """Plans in the dock's frame. What costs time is done in the first call of `path` after obstacles changed."""
 
     def __init__(
-        self, chair: Chair, dock: Dock, parameters: PlannerParameters, margin: float, view_half_angle: float
+        self, chair: Chair, dock: Dock, parameters: PlannerParameters, margin: float, field: FieldOfView
     ) -> None:
-        """`margin` [m] and `view_half_angle` [rad]: the controller's."""
+        """`margin` [m] and `field` (where in the image the markers are to be kept): the controller's."""
         self._chair, self._dock, self._parameters = chair, dock, parameters
-        self._margin = margin + parameters.extra_margin
-        self._half_angle = view_half_angle
+        self._free = FreeSpace(chair, margin + parameters.extra_margin)
         self._lattice = Lattice(chair, parameters)
         self._poses = self._lattice.poses()
         self._walls = dock.bay.outlines()
-        view = outermost_markers(dock)
-        self._view = (view.left, view.right)
+        self._x_last = final_straight_x(chair, dock)
         self._motions = [(motion, *self._lattice.edges(motion)) for motion in self._lattice.motions]
         self._obstacles: list[Array] = []
         self._to_go: Array | None = None
         self._open = True
-        self._factor = np.where(self._sees(self._poses), 1.0, parameters.blind_factor)
+        in_sight = np.any(Sight(chair.camera, dock, field).seen(self._poses), axis=1)
+        self._factor = np.where(in_sight, 1.0, parameters.blind_factor)
+        self.reason = ""  # why the last `path` found none; empty when it found one
         self._next: Indices = np.zeros(0, dtype=np.intp)
 
     @property
@@ -78,6 +79,7 @@ class Planner:
         assert self._to_go is not None
         start = np.asarray(start, dtype=float)
         node = self._attach(start)
+        self.reason = self._why_not(start) if node is None else ""
         if node is None:
             return None
         nodes, duration = [node], float(self._to_go[node])
@@ -97,18 +99,7 @@ class Planner:
 
     def clear_of_obstacles(self, poses: Array) -> bool:
         """Whether the footprint at all poses (n, 3) keeps the planner's margin from the obstacles."""
-        return bool(np.all(self._clear(poses, self._obstacles)))
-
-    def _clear(self, poses: Array, polygons: list[Array]) -> NDArray[np.bool_]:
-        """(n,) whether the footprint at each pose keeps the margin from the polygons."""
-        result = np.ones(len(poses), dtype=bool)
-        reach = math.hypot(max(self._chair.length_front, self._chair.length_rear), 0.5 * self._chair.width)
-        for polygon in polygons:
-            low, high = polygon.min(axis=0) - reach - self._margin, polygon.max(axis=0) + reach + self._margin
-            near = np.flatnonzero(np.all((poses[:, :2] > low) & (poses[:, :2] < high), axis=1))
-            shapes = footprints(self._chair.corners(), poses[near])
-            result[near] &= edge_distances(shapes, polygon) >= self._margin
-        return result
+        return bool(np.all(self._free.clear(poses, self._obstacles)))
 
     def _attach(self, start: Array) -> int | None:
         """The node near the start from which the rest is quickest, the way there reckoned in."""
@@ -123,16 +114,41 @@ class Planner:
             return None
         return int(STAND * self._lattice.size + near[np.argmin(cost)])
 
+    def _why_not(self, start: Array) -> str:
+        """Why no way leads from `start` to the corridor."""
+        if not self._open:
+            return self.blocked_by
+        assert self._to_go is not None
+        near = np.hypot(*(self._poses[:, :2] - start[:2]).T) <= 1.5 * self._parameters.cell
+        if not np.any(near):
+            return no_way.outside(start, self._parameters)
+        for polygons, what in ((self._walls, "a wall"), (self._obstacles, "an obstacle")):
+            if not self._free.clear(start[None], polygons)[0]:
+                return no_way.too_near(what, self._free.margin)
+        standing = self._to_go[STAND * self._lattice.size : (STAND + 1) * self._lattice.size]
+        return no_way.NO_HEADING if np.any(np.isfinite(standing[near])) else no_way.enclosed(bool(self._obstacles))
+
+    @property
+    def blocked_by(self) -> str:
+        """What leaves no way into the bay from anywhere; empty while it is open."""
+        if self.open:
+            return ""
+        steps = np.arange(self._x_last, self._x_last - self._parameters.lane, -self._lattice.cell)
+        straight = np.column_stack([steps, np.zeros((len(steps), 2))])
+        if np.all(self._free.clear(straight, self._walls)):
+            return no_way.OBSTACLES
+        return no_way.narrow(self._chair, self._dock.bay, self._free.margin)
+
     def _search(self) -> None:
         """Cost to go of every node, and the next node on the way, by Dijkstra from the corridor on reversed edges."""
         areas = [*self._walls, *self._obstacles]
-        size, free, factor = self._lattice.size, self._clear(self._poses, areas), self._factor
+        size, free, factor = self._lattice.size, self._free.clear(self._poses, areas), self._factor
         rows, columns, costs = [], [], []
         for motion, start, end in self._motions:
             open_ = free[start] & free[end]
             start, end = start[open_], end[open_]
             middles = np.column_stack([self._poses[start, :2], np.zeros(len(start))]) + motion.middle
-            clear = self._clear(middles, areas)
+            clear = self._free.clear(middles, areas)
             start, end = start[clear], end[clear]
             rows.append(motion.mode * size + end)
             columns.append(motion.mode * size + start)
@@ -157,32 +173,17 @@ class Planner:
         """Poses on the dock's axis from which the way into the bay is straight and clear."""
         x, y, heading = self._poses.T
         straight = free & (np.abs(y) < 1e-9) & (np.abs(heading) < 1e-9)
-        x_last = self._dock.bay.entrance_x - self._chair.length_front
-        candidates = np.flatnonzero(straight & (x <= x_last + 1e-9) & (x >= x_last - self._parameters.lane))
+        last = self._x_last
+        candidates = np.flatnonzero(straight & (x <= last + 1e-9) & (x >= last - self._parameters.lane))
         return np.array([i for i in candidates if self._lane_clear(float(x[i]))], dtype=np.intp)
 
     def _lane_clear(self, x: float) -> bool:
         """Walls count ahead of the bay; obstacles all the way to the dock."""
         steps = np.append(np.arange(x, 0.0, self._parameters.cell), 0.0)
         lane = np.column_stack([steps, np.zeros((len(steps), 2))])
-        ahead = lane[steps <= self._dock.bay.entrance_x - self._chair.length_front + 1e-9]
-        return bool(np.all(self._clear(ahead, self._walls))) and self.clear_of_obstacles(lane)
+        ahead = lane[steps <= self._x_last + 1e-9]
+        return bool(np.all(self._free.clear(ahead, self._walls))) and self.clear_of_obstacles(lane)
 
     def _time_from(self, poses: Array) -> Array:
         """Seconds from a goal pose straight to the dock's frame (the bay's speed limit is the same for all)."""
         return -poses[:, 0] / self._chair.limits.v_max
-
-    def _sees(self, poses: Array) -> NDArray[np.bool_]:
-        """Whether a marker is in the camera's view, well inside, as the optimal control problem has it."""
-        edge = math.tan(self._half_angle)
-        (left, ahead_left), (right, ahead_right) = (self._sideways(poses, point) for point in self._view)
-        return np.asarray((right <= edge * ahead_right) & (-left <= edge * ahead_left))
-
-    def _sideways(self, poses: Array, point: tuple[float, float]) -> tuple[Array, Array]:
-        """Where the point is seen from the camera at the poses (n, 3): to the left and ahead, (n,) each [m]."""
-        mount = self._chair.camera
-        c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-        dx, dy = point[0] - poses[:, 0], point[1] - poses[:, 1]
-        x, y = c * dx + s * dy - mount.x, c * dy - s * dx - mount.y
-        cm, sm = math.cos(mount.yaw), math.sin(mount.yaw)
-        return cm * y - sm * x, cm * x + sm * y

@@ -8,10 +8,12 @@ import rospy
 
 from seater_common.geometry import Chair, Dock
 from seater_common.params import load
+from seater_nmpc.checks.setup import check_setup
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.parameters import NmpcParameters
 from seater_nmpc.plan.navigator import Navigator
+from seater_nmpc.ros.camera import load_camera
 from seater_nmpc.sequence.docking_sequence import DockingSequence
 from seater_nmpc.sequence.shadow import Shadow
 from seater_nmpc.sequence.vehicle import Vehicle
@@ -31,10 +33,11 @@ class Core:
 
 
 def load_core(*, lock_step: bool) -> Core:
-    """From ~chair, ~dock, ~controller (the files in config/), ~shadow and ~require_contact; ready for the first cycle.
+    """From ~chair, ~dock, ~controller, ~camera (the files in config/), ~shadow, ~rectified and ~require_contact; ready
+    for the first cycle.
 
     Raises:
-        ValueError: a parameter is missing, unknown, of the wrong type or out of range.
+        ValueError: a parameter is missing, unknown, of the wrong type or out of range, or two do not fit together.
     """
     chair = load(Chair, rospy.get_param("~chair", None), rospy.resolve_name("~chair"))
     dock = load(Dock, rospy.get_param("~dock", None), rospy.resolve_name("~dock"))
@@ -42,9 +45,13 @@ def load_core(*, lock_step: bool) -> Core:
     chair = vehicle.chair  # from here on it docks forward
     parameters = load(NmpcParameters, rospy.get_param("~controller", None), rospy.resolve_name("~controller"))
     shadow = flag("~shadow")
-    controller = DockingController(chair, dock, parameters.control, deterministic=lock_step)
+    camera = load_camera(rectified=flag("~rectified"))
+    parameters, warnings = check_setup(chair, dock, parameters, camera)
+    for text in warnings:
+        rospy.logwarn(text)
+    controller = DockingController(chair, dock, parameters.control, deterministic=lock_step, camera=camera)
     observer = DockObserver(chair.camera, parameters.observer, standing=not shadow)
-    navigator = Navigator(chair, dock, parameters.control, parameters.planner)
+    navigator = Navigator(chair, dock, parameters.control, parameters.planner, camera)
     sequence = DockingSequence(
         chair,
         dock,

@@ -30,8 +30,8 @@ TIME_JUMP = 1.0  # [s] odometry this much older than the last one means that tim
 
 
 class DockingNode:
-    """Private parameters: ~chair, ~dock, ~controller (the files in config/), ~lock_step, ~shadow, ~require_contact,
-    ~dock_frame (name of the dock's frame in TF). Topics: docs/reference/interfaces.md."""
+    """Private parameters: ~chair, ~dock, ~controller, ~camera (the files in config/), ~rectified, ~lock_step, ~shadow,
+    ~require_contact, ~dock_frame (name of the dock's frame in TF). Topics: docs/reference/interfaces.md."""
 
     def __init__(self) -> None:
         lock_step, self._dock_frame = flag("~lock_step"), rospy.get_param("~dock_frame", "dock")

@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import CameraMount, Dock, pose_matrix
 from seater_common.se2 import arc_step
-from seater_sim.camera.camera_model import CameraModel
 from seater_sim.camera.ink import InkRenderer, marker_cells
 from seater_sim.camera.sensor import Sensor
 from seater_sim.camera.view import FaceSet, Frustum

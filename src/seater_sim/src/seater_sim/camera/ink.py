@@ -15,8 +15,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_common.camera_model import CameraModel
 from seater_common.marker_family import marker_family
-from seater_sim.camera.camera_model import CameraModel
 from seater_sim.camera.view import Frustum, bounding_box
 from seater_sim.world.scene import Sheet
 

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_sim.camera.camera_model import CameraModel
+from seater_common.camera_model import CameraModel
 from seater_sim.world.scene import Face
 
 Array = NDArray[np.float64]

@@ -14,9 +14,9 @@ import numpy as np
 import yaml
 from tabulate import tabulate
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_sim.camera.camera import Camera
-from seater_sim.camera.camera_model import CameraModel
 from seater_sim.loop.simulator import Simulator
 from seater_sim.settings import KINEMATIC, WHEELCHAIR, CameraSettings, PlantSettings, SimulatorSettings
 

@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_sim.camera.camera import Camera
-from seater_sim.camera.camera_model import CameraModel
 from seater_sim.chair.interface import OdometrySample
 from seater_sim.chair.make import make_plant
 from seater_sim.loop.arrival import Arrivals

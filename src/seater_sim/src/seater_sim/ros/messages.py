@@ -12,9 +12,9 @@ from nav_msgs.msg import Odometry
 from numpy.typing import ArrayLike, NDArray
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import CameraMount, rotation_rpy
 from seater_msgs.msg import ObstacleArray
-from seater_sim.camera.camera_model import CameraModel
 from seater_sim.chair.covariance import VARIANCE_FLOOR
 from seater_sim.chair.interface import OdometrySample
 from seater_sim.loop.simulator import SimulatedImage, Truth

@@ -7,9 +7,9 @@ from typing import Any
 
 import rospy
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError, load, param
-from seater_sim.camera.camera_model import CameraModel
 from seater_sim.settings import Obstacle, PlanarPose, SimulatorSettings
 from seater_sim.world.events import Event, load_events
 
