@@ -85,6 +85,8 @@ class KilledWorkerError(Exception):
 class FakeClient:
     """What is used of a Dask client, in this process."""
 
+    loop = None
+
     def __init__(self, address: str, **options: Any) -> None:
         if address != "tcp://here:1":
             raise OSError("timed out")
@@ -111,7 +113,7 @@ def test_jobs_go_over_a_dask_cluster(monkeypatch: pytest.MonkeyPatch) -> None:
         __hash__ = object.__hash__
 
     monkeypatch.setattr(sys.modules[__name__], "SimpleNamespace", Future)
-    fake = SimpleNamespace(Client=FakeClient, KilledWorker=KilledWorkerError, as_completed=lambda f: reversed(f))
+    fake = SimpleNamespace(Client=FakeClient, KilledWorker=KilledWorkerError, as_completed=lambda f, loop: reversed(f))
     monkeypatch.setitem(sys.modules, "distributed", fake)
     spread = over_dask("tcp://here:1", lambda job: -job)
     assert dict(spread(square_or_die, [(10, 1), (11, 2), (12, 3)])) == {10: 1, 11: -2, 12: 9}

@@ -36,7 +36,7 @@ def over_dask(address: str, died: Callable[[Any], Any]) -> Spread:
         # pure=False: nothing is taken from an earlier call; a job is not kept as soon as its result is here.
         futures = {client.submit(function, job, pure=False): (index, job) for index, job in jobs}
         try:
-            for future in distributed.as_completed(list(futures)):
+            for future in distributed.as_completed(list(futures), loop=client.loop):
                 index, job = futures.pop(future)
                 yield index, _result(distributed, future, job, died)
         finally:
