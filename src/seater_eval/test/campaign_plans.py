@@ -25,4 +25,4 @@ def campaign(**axes: Any) -> Campaign:
 
 
 def job(made: Campaign, index: int = 0, seed: int = 1, told: str = "defaults") -> CampaignJob:
-    return CampaignJob(FILES, made, told, draw_case(made, seed, index).seed, index)
+    return CampaignJob(FILES, made, told, draw_case(FILES, made, seed, index).seed, index)

@@ -18,13 +18,13 @@ from seater_eval.campaign.processes import over_processes
 
 
 def run(folder: Path, *arguments: str) -> int:
-    return main("", ["--config", str(CONFIG), "--results", str(folder), *arguments])
+    return main("", ["--config", str(CONFIG), "--results", str(folder), "--campaign", "kinematic", *arguments])
 
 
 def test_two_shards_merged_are_the_campaign_and_a_case_can_be_replayed(tmp_path: Path, capsys: Any) -> None:
     for shard in ("1/2", "2/2"):
         assert run(tmp_path, "--runs", "2", "--shard", shard, "--workers", "1") in (0, 1)
-    assert main("", ["merge", str(tmp_path), "--config", str(CONFIG), "--results", str(tmp_path / "all")]) in (0, 1)
+    assert run(tmp_path / "all", "merge", str(tmp_path)) in (0, 1)
     names = {path.name for path in (tmp_path / "all").iterdir()}
     assert {"docking_campaign.json", "docking_campaign.csv", "docking_campaign.html"} <= names
     first, second = json.loads((tmp_path / "all" / "docking_campaign.json").read_text())["rows"]
@@ -41,6 +41,7 @@ def test_two_shards_merged_are_the_campaign_and_a_case_can_be_replayed(tmp_path:
     [
         ["--campaign", "nowhere"],
         ["--shard", "3/2"],
+        ["--axes", "plant,colour"],
         ["--replay", "first"],
         ["merge", "/nonexistent"],
     ],

@@ -36,6 +36,9 @@ def parser(description: str | None) -> argparse.ArgumentParser:
     made.epilog = _EPILOGUE
     made.add_argument("merge", nargs="*", metavar="merge FOLDER", help="only merge the shards that lie there")
     made.add_argument("--campaign", default="default", help="name in config/campaign, or a YAML file (default)")
+    made.add_argument(
+        "--axes", default="", help="vary only these, e.g. dock,camera; others stay at their first variant"
+    )
     made.add_argument("--runs", type=int, help="how many (default: 1000, with --quick 8)")
     made.add_argument("--seed", type=int, default=1, help="of all that is drawn (1)")
     made.add_argument("--told", default="defaults", choices=CHOICES, help="what the controller is given (defaults)")
@@ -68,6 +71,7 @@ def _run(options: argparse.Namespace) -> int:
     if options.merge:
         data = merge([Path(folder) for folder in options.merge[1:]])
         options.campaign, options.told, options.seed = data["name"], data["told"], data["seed"]
+        options.axes = ",".join(data["axes_varied"])
         return _report(options, _plan(options, data["runs"], Shard()), data)
     plan = _plan(options, options.runs or (8 if options.quick else 1000), Shard.parse(options.shard))
     if options.replay:
@@ -85,7 +89,8 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _plan(options: argparse.Namespace, runs: int, shard: Shard) -> Plan:
-    return Plan.make(config_folder(options), options.campaign, options.told, options.seed, runs, shard)
+    axes = options.axes.split(",") if options.axes else []
+    return Plan.make(config_folder(options), options.campaign, options.told, options.seed, runs, shard, axes)
 
 
 def _spread(options: argparse.Namespace) -> Spread:

@@ -5,16 +5,17 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from seater_common.geometry import Dock
 from seater_common.params import ParameterError, load
 from seater_eval.campaign.drive.job import CampaignJob
-from seater_eval.campaign.setup.campaign_file import Campaign, load_campaign
+from seater_eval.campaign.setup.campaign_file import Campaign, load_campaign, only
 from seater_eval.campaign.setup.cases import draw_case
 from seater_eval.campaign.setup.configuration import Files
+from seater_eval.campaign.setup.plants import check_plant
 from seater_eval.campaign.setup.told import check_told
 from seater_eval.run.parallel import job_seed
 from seater_eval.run.partial import fingerprint
@@ -51,23 +52,34 @@ class Plan:
     seed: int
     runs: int  # of the whole campaign
     shard: Shard
+    axes: list[str]  # that are varied; empty: all
 
     @classmethod
-    def make(cls, config: Path, name: str, told: str, seed: int, runs: int, shard: Shard) -> Plan:
-        """Raises ParameterError: no such campaign, wrong keys in it or in a combination of its variants."""
+    def make(
+        cls, config: Path, name: str, told: str, seed: int, runs: int, shard: Shard, axes: Sequence[str] = ()
+    ) -> Plan:
+        """`axes`: only these are varied, the others stay at their first variant; empty: all.
+
+        Raises ParameterError: no such campaign or axis, wrong keys in it or in one of its variants.
+        """
         check_told(told)
         path = Path(name) if name.endswith(".yaml") else config / "campaign" / f"{name}.yaml"
-        plan = cls(name, load_campaign(path), Files.read(config), told, seed, runs, shard)
-        plan.check()
+        campaign = load_campaign(path)
+        if axes:
+            campaign = only(campaign, axes)
+        plan = cls(name, campaign, Files.read(config), told, seed, runs, shard, list(axes))
+        plan.check(config)
         return plan
 
-    def check(self) -> None:
+    def check(self, config: Path) -> None:
         """That every variant fits the configuration files, before the first run. Raises ParameterError."""
         for axis, variants in self.campaign.axes.items():
             for name in variants:
                 alone = Campaign(self.campaign.settings, {axis: {name: variants[name]}})
                 try:
-                    draw_case(alone, self.seed, 0).configuration(self.files, alone)
+                    if "plant" in variants[name]:
+                        check_plant(config, str(variants[name]["plant"]))
+                    draw_case(self.files, alone, self.seed, 0).configuration(self.files, alone)
                 except ParameterError as error:
                     raise ParameterError(f"axes/{axis}/{name}: {error}") from error
 

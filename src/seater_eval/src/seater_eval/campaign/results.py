@@ -27,6 +27,7 @@ def campaign_data(plan: Plan, rows: Sequence[Mapping[str, Any]]) -> dict[str, An
         "key": plan.key(),
         "settings": asdict(plan.campaign.settings),
         "axes": plan.campaign.axes,
+        "axes_varied": plan.axes,
         "summary": summarize(rows),
         "rows": list(rows),
     }
@@ -59,7 +60,7 @@ def merge(folders: Sequence[Path]) -> dict[str, Any]:
             raise ParameterError(f"merge: {path} is of another campaign than {paths[0]}: {', '.join(different)} differ")
     rows = sorted((row for shard in shards for row in shard["rows"]), key=lambda row: row["index"])
     _check_complete([row["index"] for row in rows], first["runs"])
-    kept = {name: first[name] for name in ("name", "told", "seed", "runs", "key", "settings", "axes")}
+    kept = {name: first[name] for name in ("name", "told", "seed", "runs", "key", "settings", "axes", "axes_varied")}
     return {**kept, "shard": "1/1", "summary": summarize(rows), "rows": rows}
 
 

@@ -64,7 +64,7 @@ def docking_row(job: CampaignJob) -> tuple[dict[str, Any], Started | None]:
     started: Started | None = None
     ended: dict[str, Any] = {}
     try:
-        case = case_of_seed(job.campaign, job.seed, job.index)
+        case = case_of_seed(job.files, job.campaign, job.seed, job.index)
         row |= {"variants": case.variants, "numbers": case.numbers}
         started = prepare(job, case)
         settings = job.campaign.settings
@@ -96,7 +96,7 @@ def prepare(job: CampaignJob, case: Case) -> Started:
     """The docking of a case, before its first step. Raises ValueError where a node would refuse to start."""
     c = case.configuration(job.files, job.campaign)
     start, rough = draw_start(c, case.seed)
-    parameters = told_parameters(c.parameters, c.simulator, job.told)
+    parameters = told_parameters(c.parameters, c.simulator, c.simulated_chair, job.told, case.seed)
     run = ImageDocking(
         c, parameters, start, case.seed, require_contact=job.campaign.settings.require_contact, rough_pose=rough
     )

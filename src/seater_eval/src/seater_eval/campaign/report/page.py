@@ -123,10 +123,11 @@ def _influences(influences: Sequence[Mapping[str, Any]]) -> str:
 def _run(data: Mapping[str, Any], row: Row, image: str) -> str:
     numbers = ", ".join(f"{key} {value:.4g}" for key, value in row.get("numbers", {}).items())
     variants = ", ".join(f"{axis}: {variant}" for axis, variant in row.get("variants", {}).items())
-    command = f"docking_campaign --campaign {data['name']} --told {data['told']} --replay seed:{row['seed']}"
+    axes = f" --axes {','.join(data['axes_varied'])}" if data["axes_varied"] else ""
+    command = f"--campaign {data['name']}{axes} --told {data['told']} --replay seed:{row['seed']}"
     return (
         f"<h3>Case {row['index']}: {escape(str(row['result']))}</h3><pre>{escape(str(row['text']))}</pre>"
-        f"<p>{escape(variants)}. {escape(numbers)}</p><p><code>{escape(command)}</code></p>{image}"
+        f"<p>{escape(variants)}. {escape(numbers)}</p><p><code>docking_campaign {escape(command)}</code></p>{image}"
     )
 
 

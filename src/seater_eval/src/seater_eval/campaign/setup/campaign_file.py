@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -87,6 +87,18 @@ def campaign_from(values: Any, prefix: str) -> Campaign:
     axes = _axes(values.get("axes"), prefix)
     settings = load(CampaignSettings, {key: value for key, value in values.items() if key != "axes"}, prefix)
     return Campaign(settings, axes)
+
+
+def only(campaign: Campaign, axes: Sequence[str]) -> Campaign:
+    """Only these axes are varied, the others stay at their first variant. Raises ParameterError."""
+    unknown = [axis for axis in axes if axis not in campaign.axes]
+    if unknown:
+        raise ParameterError(f"--axes: {unknown[0]!r} is unknown; known are {', '.join(campaign.axes)}")
+    kept = {}
+    for axis, variants in campaign.axes.items():
+        first = next(iter(variants))
+        kept[axis] = variants if axis in axes else {first: variants[first]}
+    return Campaign(campaign.settings, kept)
 
 
 def _axes(values: Any, prefix: str) -> dict[str, dict[str, dict[str, Any]]]:

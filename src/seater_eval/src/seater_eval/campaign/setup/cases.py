@@ -11,6 +11,7 @@ from seater_common.params import as_mapping
 from seater_eval.campaign.setup.campaign_file import Campaign
 from seater_eval.campaign.setup.changes import drawn
 from seater_eval.campaign.setup.configuration import Configuration, Files, configuration
+from seater_eval.campaign.setup.plants import drawn_plant, with_plant
 from seater_eval.run.parallel import job_seed
 
 # What is drawn from a case's seed has a stream of its own, so that a longer list here changes nothing there.
@@ -23,7 +24,7 @@ class Case:
 
     index: int
     seed: int
-    variants: dict[str, str]  # axis -> variant
+    variants: dict[str, str]  # axis -> variant, and choices that a plant leaves
     changes: list[dict[str, Any]]  # one for each axis, without anything left open
     numbers: dict[str, float]  # what was drawn, by its full key
 
@@ -32,12 +33,12 @@ class Case:
         return configuration(files, as_mapping(campaign.settings.start), self.changes)
 
 
-def draw_case(campaign: Campaign, seed: int, index: int) -> Case:
+def draw_case(files: Files, campaign: Campaign, seed: int, index: int) -> Case:
     """Case `index` of the campaign with this seed, whatever the number of cases. Raises ParameterError."""
-    return case_of_seed(campaign, job_seed(seed, index), index)
+    return case_of_seed(files, campaign, job_seed(seed, index), index)
 
 
-def case_of_seed(campaign: Campaign, seed: int, index: int) -> Case:
+def case_of_seed(files: Files, campaign: Campaign, seed: int, index: int) -> Case:
     """The case that follows from its own seed."""
     chooser, numbers = (np.random.default_rng([seed, stream]) for stream in (STREAM_VARIANTS, STREAM_NUMBERS))
     variants: dict[str, str] = {}
@@ -47,6 +48,12 @@ def case_of_seed(campaign: Campaign, seed: int, index: int) -> Case:
         variants[axis] = list(choices)[int(chooser.integers(len(choices)))]
         own = np.random.default_rng(numbers.integers(2**32, size=4))  # as many draws from `numbers` for every variant
         fixed, values = drawn(choices[variants[axis]], own, "")
+        values = {key.lstrip("/"): value for key, value in values.items()}
+        if "plant" in fixed:
+            simulator, varied = drawn_plant(files, str(fixed["plant"]), own)
+            fixed = with_plant(fixed, simulator)
+            variants |= {key: value for key, value in varied.items() if isinstance(value, str)}
+            values |= {key: float(value) for key, value in varied.items() if not isinstance(value, str)}
         changes.append(fixed)
-        found |= {key.lstrip("/"): value for key, value in values.items()}
+        found |= values
     return Case(index, seed, variants, changes, found)
