@@ -1,20 +1,28 @@
 """One docking out of images: the same to the bit each time, whatever ran before; what goes wrong is in its row."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
-from campaign_plans import campaign, job
+from campaign_plans import FILES, campaign, job
 
 from seater_common.geometry import Chair
 from seater_common.params import ParameterError
 from seater_eval.campaign.drive import docking
-from seater_eval.campaign.drive.chain import Gate
+from seater_eval.campaign.drive.chain import Gate, Perception
 from seater_eval.campaign.drive.comfort import comfort, sign_changes
-from seater_eval.campaign.drive.job import docking_row, run_case
+from seater_eval.campaign.drive.job import docking_row, prepare, run_case
+from seater_eval.campaign.setup.campaign_file import Campaign
+from seater_eval.campaign.setup.cases import draw_case
 
 SAFETY = {"a_stop": 1.5, "alpha_stop": 3.0, "request_timeout": 0.25, "user_timeout": 0.5}
+
+
+def shortened(made: Campaign, longest: float) -> Campaign:
+    """The same campaign, whose runs are given up after `longest` [s]."""
+    return replace(made, settings=replace(made.settings, longest=longest))
 
 
 def without_times(row: dict[str, Any]) -> dict[str, Any]:
@@ -38,6 +46,33 @@ def test_a_case_docks_out_of_images_and_comes_out_the_same_again() -> None:
     steps = np.diff(trace.cycles[:, 0])  # odometry comes every 20 ms, cycles are due every 50 ms
     assert np.mean(steps) == pytest.approx(0.05, abs=1e-3) and set(np.round(steps, 6)) == {0.04, 0.06}
     assert np.max(np.abs(trace.cycles[-1, 6:8])) < 0.002  # [m] the estimate, at the end
+
+
+def test_what_the_gate_lets_through_is_what_moves_the_chair(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Gate, "pass_on", lambda self, now, v, omega: (0.0, 0.0))
+    row = run_case(replace(job(campaign()), campaign=shortened(campaign(), 4.0)))
+    assert row["result"] == "UNFINISHED" and row["images_with_markers"] > 100
+    assert row["acceleration_peak"] == 0.0 and row["position_error_m"] == math.dist(row["start"][:2], (0.0, 0.0))
+
+
+def test_what_perception_does_not_find_is_not_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Perception, "detect", lambda self, image: ([], 0))
+    row = run_case(job(campaign()))
+    assert row["result"] == "FAILED_TO_DETECT_DOCK" and row["at_rest"] and not row["docked"]
+    assert row["images"] == 300 and row["images_with_markers"] == 0  # 10 s, then nobody looks at images any more
+
+
+def test_a_rough_pose_comes_with_the_goal_of_a_chair_that_is_turned_away() -> None:
+    start = {"x": [-2.0, -1.9], "heading": [90.0, 270.0], "mirror": True, "seen": False, "rough_pose": True}
+    made = campaign(start={"away": {"start": start}})
+    poses = []
+    for index in range(20):
+        c, run = prepare(job(made, index), draw_case(FILES, made, 1, index))
+        pose, truth = run._rough_pose, run.simulator.truth.pose
+        assert pose is not None and abs(abs(math.degrees(truth[2])) % 360.0 - 180.0) <= 90.0
+        assert c.start.rough_position_sd == 0.2
+        poses.append(pose)
+    assert 0.1 < np.std(np.array(poses)[:, :2]) < 0.3 and 2.0 < math.degrees(np.std(np.array(poses)[:, 2])) < 9.0
 
 
 def test_an_exception_in_the_middle_is_a_row_with_its_text(monkeypatch: pytest.MonkeyPatch) -> None:
