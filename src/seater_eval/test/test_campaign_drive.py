@@ -31,7 +31,9 @@ def without_times(row: dict[str, Any]) -> dict[str, Any]:
 
 def test_a_case_docks_out_of_images_and_comes_out_the_same_again() -> None:
     made = campaign(plant={"kinematic": {"simulator": {"plant": {"kinematic": {"lag_v": {"between": [0.05, 0.15]}}}}}})
-    first = run_case(job(made))
+    first = run_case(replace(job(made), bound=True))
+    assert 1.0 <= first.pop("time_ratio") < 2.5 and first.pop("minimum_time_s") <= first["arrival_time_s"]
+    assert first["arrival_time_s"] <= first["docking_time_s"]
     assert first["docked"] and first["result"] == "SUCCESS" and first["contact"], first["text"]
     assert first["position_error_m"] < 0.005 and not first["touched"]
     # 30 images per second of simulated time, of which those after the result are not drawn

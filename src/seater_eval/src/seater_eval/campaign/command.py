@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +43,9 @@ def parser(description: str | None) -> argparse.ArgumentParser:
     made.add_argument("--runs", type=int, help="how many (default: 1000, with --quick 8)")
     made.add_argument("--seed", type=int, default=1, help="of all that is drawn (1)")
     made.add_argument("--told", default="defaults", choices=CHOICES, help="what the controller is given (defaults)")
+    made.add_argument(
+        "--minimum-time", action="store_true", help="compare with the shortest possible time (seconds a run)"
+    )
     made.add_argument("--workers", type=int, help="processes on this machine (default: one a core)")
     made.add_argument("--shard", default="1/1", metavar="I/N", help="only every N-th case, beginning with the I-th")
     made.add_argument("--scheduler", default="", metavar="ADDRESS", help="of a Dask cluster, e.g. tcp://host:8786")
@@ -90,7 +94,8 @@ def _run(options: argparse.Namespace) -> int:
 
 def _plan(options: argparse.Namespace, runs: int, shard: Shard) -> Plan:
     axes = options.axes.split(",") if options.axes else []
-    return Plan.make(config_folder(options), options.campaign, options.told, options.seed, runs, shard, axes)
+    made = Plan.make(config_folder(options), options.campaign, options.told, options.seed, runs, shard, axes)
+    return replace(made, bound=options.minimum_time)
 
 
 def _spread(options: argparse.Namespace) -> Spread:

@@ -53,6 +53,7 @@ class Plan:
     runs: int  # of the whole campaign
     shard: Shard
     axes: list[str]  # that are varied; empty: all
+    bound: bool = False  # the shortest possible times are computed, too
 
     @classmethod
     def make(
@@ -93,7 +94,7 @@ class Plan:
 
     def job_of_seed(self, seed: int, index: int = -1) -> CampaignJob:
         """The case that follows from its own seed."""
-        return CampaignJob(self.files, self.campaign, self.told, seed, index)
+        return CampaignJob(self.files, self.campaign, self.told, seed, index, self.bound)
 
     def dock(self) -> Dock:
         """The default one, for figures of many runs."""
@@ -101,6 +102,6 @@ class Plan:
 
     def key(self, files: Iterable[Path] = ()) -> str:
         """Equal for shards of one campaign: same code, configuration, seed. `files`: what else has to be equal."""
-        inputs = [asdict(self.files), asdict(self.campaign), self.told, self.seed]
+        inputs = [asdict(self.files), asdict(self.campaign), self.told, self.seed, self.bound]
         text = json.dumps(inputs, sort_keys=True, default=str)
         return hashlib.sha256((text + fingerprint(None, files)).encode()).hexdigest()

@@ -12,6 +12,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_eval.baselines.trajectories import Trajectory
+from seater_eval.campaign.drive import tools
 from seater_eval.campaign.drive.comfort import comfort
 from seater_eval.campaign.drive.docking import ImageDocking
 from seater_eval.campaign.drive.starts import NoStartError, draw_start
@@ -44,6 +46,7 @@ class CampaignJob:
     told: str
     seed: int  # the case's own
     index: int
+    bound: bool = False  # the shortest possible time is computed, too
 
 
 def run_case(job: CampaignJob) -> dict[str, Any]:
@@ -75,7 +78,17 @@ def docking_row(job: CampaignJob) -> tuple[dict[str, Any], Started | None]:
     if started is not None and started[1].trace.truth_rows:
         row = row | docking_values(*started) | ({"docked": False} | ended if ended else {})
     row["core_s"] = time.process_time() - begin
+    if job.bound and row["docked"] and started is not None:
+        row |= _bound(started[0], row)
     return row, started
+
+
+def _bound(c: Configuration, row: dict[str, Any]) -> dict[str, Any]:
+    """The shortest time from this start, and how many times longer it took to arrive; None without a solution."""
+    shortest = tools.minimum_time(c.simulated_chair, c.simulated_dock).solve(row["start"])
+    time_s, arrival = None if shortest is None else shortest.time, row["arrival_time_s"]
+    ratio = arrival / time_s if time_s and arrival is not None else None
+    return {"minimum_time_s": time_s, "time_ratio": ratio}
 
 
 def _why(error: Exception, began: bool) -> dict[str, Any]:
@@ -106,6 +119,7 @@ def prepare(job: CampaignJob, case: Case) -> Started:
 def docking_values(c: Configuration, run: ImageDocking) -> dict[str, Any]:
     """What is kept of a run: result, true errors, comfort, times, a thinned path."""
     truth, result, trace = run.simulator.truth, run.result, run.trace.truth
+    errors = trace[:, 1:4] - c.simulated_dock.docked_pose
     error = c.simulated_dock.docking_error(truth.pose)
     at_rest = abs(truth.v) < _STANDS and abs(truth.omega) < _STANDS
     docked = bool(result is not None and result.success and within(error, c.dock.tolerance) and at_rest)
@@ -121,6 +135,7 @@ def docking_values(c: Configuration, run: ImageDocking) -> dict[str, Any]:
         "text": "no result within the longest time" if result is None else result.text,
         "retries": 0 if result is None else result.retries,
         "docking_time_s": None if result is None else result.duration,
+        "arrival_time_s": Trajectory(trace[:, 0], errors, trace[:, 4:6]).docking_time(c.dock.tolerance),
         "position_error_m": math.hypot(error[0], error[1]),
         "longitudinal_error_m": float(error[0]),
         "lateral_error_m": float(error[1]),

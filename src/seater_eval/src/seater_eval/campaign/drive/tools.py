@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from seater_common.geometry import Chair, Dock
+from seater_eval.baselines.minimum_time import MinimumTime
 from seater_eval.campaign.setup.configuration import Configuration
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.parameters import NmpcParameters
@@ -41,6 +42,11 @@ def navigator(chair: Chair, dock: Dock, parameters: NmpcParameters) -> Navigator
         return made
 
     return _keep("navigator", (chair, dock, parameters.control, parameters.planner), make)
+
+
+def minimum_time(chair: Chair, dock: Dock) -> MinimumTime:
+    """The solver for the shortest docking that the chair's limits allow."""
+    return _keep("minimum_time", (chair, dock), lambda: MinimumTime(chair, dock, dock.tolerance))
 
 
 def camera(c: Configuration) -> Camera:

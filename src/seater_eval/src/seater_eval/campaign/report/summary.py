@@ -20,6 +20,7 @@ MEASURES = (
     ("heading_error_deg", 1.0, "true heading error, absolute [deg]"),
     ("estimate_position_error_m", 1e3, "error of the last estimate [mm]"),
     ("docking_time_s", 1.0, "time to the result [s]"),
+    ("time_ratio", 1.0, "time to arrive / minimum time"),
     ("acceleration_peak", 1.0, "acceleration, peak [m/s^2]"),
     ("acceleration_rms", 1.0, "acceleration, rms [m/s^2]"),
     ("jerk_peak", 1.0, "jerk, peak [m/s^3]"),
