@@ -58,7 +58,7 @@ class CampaignSettings:
     name: str = param("default", "", "of the campaign, for reports")
     require_contact: bool = param(True, "", "success needs the charging contact")
     longest: float = param(180.0, "s", "simulated time after which a run is given up", low=1.0, high=3600.0)
-    rest: float = param(1.5, "s", "simulated time after the result, in which the chair has to come to rest", low=0.1)
+    rest: float = param(3.0, "s", "simulated time after the result, in which the chair has to come to rest", low=0.1)
     start: Start = field(default_factory=Start)
     bars: CampaignBars = field(default_factory=CampaignBars)
 
