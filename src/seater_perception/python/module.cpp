@@ -37,6 +37,12 @@ sp::PerceptionParameters parametersOf(const py::dict& values) {
   return sp::loadPerceptionParameters(yaml(values), "perception");
 }
 
+const char* const kMount = "`mount`: the mapping `camera` of config/chair.yaml; None: its defaults";
+
+sp::CameraMount mountOf(const py::object& values) {
+  return values.is_none() ? sp::CameraMount() : sp::loadCameraMount(yaml(values), "camera");
+}
+
 void bindConfiguration(py::module_& m) {
   py::class_<sp::Calibration>(m, "Calibration", "As sensor_msgs/CameraInfo holds it; nothing is checked here.")
       .def(py::init([](int width, int height, const std::array<double, 9>& K, const std::vector<double>& D,
@@ -99,10 +105,11 @@ void bindDetector(py::module_& m) {
   py::class_<Detector>(
       m, "DockDetector",
       "Image in, markers and dock out. Threads that share one wait for each other: use one per thread.")
-      .def(py::init([](const sp::CameraModel& camera, const sp::DockLayout& layout, const py::dict& parameters) {
-             return std::make_unique<Detector>(camera, layout, parametersOf(parameters), sp::CameraMount());
+      .def(py::init([](const sp::CameraModel& camera, const sp::DockLayout& layout, const py::dict& parameters,
+                       const py::object& mount) {
+             return std::make_unique<Detector>(camera, layout, parametersOf(parameters), mountOf(mount));
            }),
-           "camera"_a, "layout"_a, "parameters"_a)
+           "camera"_a, "layout"_a, "parameters"_a, "mount"_a = py::none(), kMount)
       .def(
           "detect",
           [](Detector& self, const py::array& image) {
@@ -112,10 +119,11 @@ void bindDetector(py::module_& m) {
           "image"_a);
   using Tracker = OneAtATime<sp::DockTracker>;
   py::class_<Tracker>(m, "DockTracker", "The same for a sequence of images.")
-      .def(py::init([](const sp::CameraModel& camera, const sp::DockLayout& layout, const py::dict& parameters) {
-             return std::make_unique<Tracker>(camera, layout, parametersOf(parameters), sp::CameraMount());
+      .def(py::init([](const sp::CameraModel& camera, const sp::DockLayout& layout, const py::dict& parameters,
+                       const py::object& mount) {
+             return std::make_unique<Tracker>(camera, layout, parametersOf(parameters), mountOf(mount));
            }),
-           "camera"_a, "layout"_a, "parameters"_a)
+           "camera"_a, "layout"_a, "parameters"_a, "mount"_a = py::none(), kMount)
       .def(
           "detect",
           [](Tracker& self, const py::array& image) {

@@ -43,6 +43,24 @@ def test_detects_a_marker_where_it_is() -> None:
     assert sum(h.weight for h in marker.hypotheses) == pytest.approx(1.0)
 
 
+def test_the_mount_of_the_camera_is_used_and_checked() -> None:
+    """Markers are known to stand upright: a camera that looks 0.3 rad down makes the other solution less unlikely."""
+    marker = {"id": 3, "size": 0.1, "position": [1.0, 0.0, 0.0], "normal_yaw": 3.1}
+    layout = sp.load_dock_layout({"dictionary": "DICT_4X4_50", "markers": [marker]})
+    level = {"x": 0.45, "y": 0.0, "z": 0.7, "roll": 0.0, "pitch": 0.0, "yaw": 0.0}
+    parameters, image = sp.default_parameters(), marker_image(40)
+    for kind in (sp.DockDetector, sp.DockTracker):
+        weights = []
+        for mount in (None, level, level | {"pitch": 0.3}):
+            (seen,) = kind(camera(), layout, parameters, mount).detect(image).markers
+            weights.append(seen.hypotheses[1].weight)
+        assert weights[0] == weights[1] < 1e-12 < weights[2] < 1.0, weights
+        with pytest.raises(sp.ConfigurationError, match=r"camera/pitch: .*9"):
+            kind(camera(), layout, parameters, level | {"pitch": 9.0})
+        with pytest.raises(sp.ConfigurationError, match="camera/yaw"):
+            kind(camera(), layout, parameters, {key: value for key, value in level.items() if key != "yaw"})
+
+
 def test_projection() -> None:
     pixels = camera().project(np.array([[0.1, -0.2, 2.0], [0.0, 0.0, -1.0]]))
     assert pixels[0] == pytest.approx([CX + 32.0, CY - 64.0])

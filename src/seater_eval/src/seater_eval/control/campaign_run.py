@@ -68,7 +68,7 @@ class DockingRun:
         settings = replace(setup.simulator, obstacles=obstacles)
         self.simulator = Simulator(settings, setup.chair, setup.dock, None, case.start, seed=case.seed)
         self._controller = controller
-        controller.reset()
+        controller.forget_chair()
         controller.set_obstacles([np.array(outline).reshape(-1, 2) for outline in case.obstacles])
         observer = DockObserver(setup.chair.camera, setup.parameters.observer)
         self.sequence = DockingSequence(

@@ -61,8 +61,8 @@ class Kept:
             made.warm_up()
             self._controllers[control] = made
         controller = self._controllers[control]
-        controller.reset()
-        controller.reset_commands()
+        controller.forget_chair()
+        controller.set_speed_limit()
         controller.set_obstacles([])
         return controller
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from seater_eval.run.parallel import run_jobs
+from seater_eval.run.parallel import Spread, run_jobs
 from seater_eval.run.partial import PartialResults, fingerprint
 
 INTERRUPTED = 130  # exit code, as shells have it
@@ -24,6 +24,7 @@ def run_long(
     partial: Path | None,
     inputs: Any = None,
     workers: int | None = None,
+    spread: Spread | None = None,
 ) -> list[Any]:
     """run_jobs, with results that survive an interruption.
 
@@ -35,7 +36,7 @@ def run_long(
     Ctrl-C and SIGTERM end the program with exit code 130 and a line that says how far it came.
     """
     if partial is None:
-        return run_jobs(function, jobs, label=label, workers=workers)
+        return run_jobs(function, jobs, label=label, workers=workers, spread=spread)
     keep = PartialResults(partial, fingerprint(jobs if inputs is None else inputs, files))
 
     def progress() -> str:
@@ -43,7 +44,7 @@ def run_long(
         return f"{done} of {len(jobs)} parts are kept in {partial}; the same command continues from there"
 
     with _exit_when_interrupted(progress):
-        return run_jobs(function, jobs, label=label, workers=workers, keep=keep)
+        return run_jobs(function, jobs, label=label, workers=workers, keep=keep, spread=spread)
 
 
 @contextmanager

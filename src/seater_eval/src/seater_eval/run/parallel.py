@@ -14,6 +14,7 @@ from seater_eval.run.progress import progress_bar
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
+Spread = Callable[[Callable[[Any], Any], Sequence[tuple[int, Any]]], Iterator[tuple[int, Any]]]
 
 # Every worker is one thread: matrix libraries that start their own would only fight over the cores.
 _ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
@@ -32,6 +33,7 @@ def run_jobs(
     label: str = "",
     stream: TextIO | None = None,
     keep: PartialResults | None = None,
+    spread: Spread | None = None,
 ) -> list[Result]:
     """function(job) for every job, in the order of the jobs.
 
@@ -41,6 +43,8 @@ def run_jobs(
         label: what the progress bar counts.
         stream: of the progress bar; None: standard error.
         keep: results of an earlier run that was interrupted are taken from it, new ones go into it as they come.
+        spread: who runs them instead of `workers` processes: spread(function, [(index, job), ...]) gives (index,
+            result) as they come.
 
     Raises whatever `function` raises, in the caller.
     """
@@ -48,7 +52,7 @@ def run_jobs(
     left = [(index, job) for index, job in enumerate(jobs) if index not in results]
     workers = min(workers or cores(), max(1, len(left)))
     with progress_bar(label, len(jobs), done=len(results), stream=stream) as progress:
-        for index, result in _run(function, left, workers):
+        for index, result in _run(function, left, workers) if spread is None else spread(function, left):
             results[index] = result
             if keep is not None:
                 keep.add(index, result)

@@ -94,6 +94,13 @@ class DockingController:
         self._replanner.reset()
         self.counters.consecutive_failures = 0
 
+    def forget_chair(self) -> None:
+        """Forget all that was learned of the chair's response, as for another chair, and reset."""
+        self.history.clear()
+        self.history.forget_response()
+        self._actuation = Actuation(self._chair, self.history, adapt=self.parameters.prediction.adapt)
+        self.reset()
+
     def reset_commands(self) -> None:
         """Forget the commands but keep the plan: the next plan begins with the measured speeds."""
         self.history.clear()
@@ -147,8 +154,7 @@ class DockingController:
         """Solve once cold and once warm, so that no cycle pays for loading the solver."""
         for _ in range(2):
             self.command([self._dock.predock_x, 0.0, 0.0], (0.0, 0.0), [0.0, 0.0, 0.0])
-        self.reset()
-        self.history.clear()
+        self.forget_chair()
         self.counters = Counters()
 
     def command(

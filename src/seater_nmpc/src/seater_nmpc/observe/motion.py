@@ -46,7 +46,7 @@ class MotionObserver:
 
     def __init__(self, history: CommandHistory, parameters: ObserverParameters) -> None:
         self._commands = history.view()
-        self._drive, self._parameters = history.drive, parameters
+        self._history, self._parameters = history, parameters
         self.clear()
 
     def clear(self) -> None:
@@ -54,8 +54,8 @@ class MotionObserver:
         p = self._parameters
         self._commands.restart()
         self._stamp: float | None = None
-        self._v = _Axis(p.speed_noise, p.speed_agility, self._drive.lag_v)
-        self._omega = _Axis(p.omega_noise, p.omega_agility, self._drive.lag_omega)
+        self._v = _Axis(p.speed_noise, p.speed_agility, self._history.drive.lag_v)
+        self._omega = _Axis(p.omega_noise, p.omega_agility, self._history.drive.lag_omega)
 
     def add_odometry(self, odometry: Odometry) -> None:
         """Take a message that is finite and newer than the last one."""

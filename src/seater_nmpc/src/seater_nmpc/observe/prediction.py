@@ -36,13 +36,17 @@ class CommandHistory:
 
     def __init__(self, prediction: Prediction) -> None:
         self.prediction = prediction
-        self.drive = configured(prediction)  # what the motors make of the commands
-        self.delay = prediction.solve_latency + prediction.command_delay  # [s] from the measurement to the effect
+        self.forget_response()
         self._sent: deque[_Sent] = deque()
         self._count = 0  # of all that were ever sent
 
+    def forget_response(self) -> None:
+        """What the motors make of the commands is again as configured."""
+        self.drive = configured(self.prediction)
+        self.delay = self.prediction.solve_latency + self.prediction.command_delay  # [s] from measurement to effect
+
     def clear(self) -> None:
-        """Forget everything: nothing is known to be on its way."""
+        """Forget everything that was sent: nothing is known to be on its way."""
         self._sent.clear()
 
     def sent(self, stamp: float, v: float, omega: float, wanted: tuple[float, float] | None = None) -> None:

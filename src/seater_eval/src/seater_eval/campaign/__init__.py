@@ -1,0 +1,1 @@
+"""Dockings out of rendered images over random plants, chairs, docks, cameras and starts; no ROS."""
