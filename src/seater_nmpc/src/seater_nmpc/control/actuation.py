@@ -16,6 +16,7 @@ _TURNING = Expected(widths=(0.01, 0.015, 0.02, 0.03, 0.04, 0.05, 0.065, 0.085, 0
 _MARGIN = 6.0  # in log likelihood, by which another delay or lag has to be ahead
 _RESPONSE = 0.4  # [s] beyond the delay, in which a command can be seen to act
 _DRIVING = 0.04  # [m/s] from which on the chair drives rather than turns on the spot
+_ON_THE_SPOT = 0.3  # weight of what is learned while turning on the spot: castors hold against it
 _SLOWLY = 0.1  # [s/s] by which delay and lags are changed
 
 
@@ -54,13 +55,13 @@ class Actuation:
             return
         duration, planned = stamp - before, stamp - self._planned <= self._history.delay + _RESPONSE
         sent, curvature = self._sent, self._history.drive.curvature
-        self._estimate_v.add(before, stamp, lambda start, end: sent.mean(start, end)[0], v, learn=planned)
+        self._estimate_v.add(before, stamp, lambda start, end: sent.mean(start, end)[0], v, weight=float(planned))
         self._estimate_omega.add(
             before,
             stamp,
             lambda start, end: sent.mean(start, end)[1],
             omega - curvature * v,
-            learn=planned and abs(v) >= _DRIVING,  # castors that turn on the spot hold against it
+            weight=planned * (1.0 if abs(v) >= _DRIVING else _ON_THE_SPOT),
         )
         self._learn(duration)
         if abs(v) >= _DRIVING:

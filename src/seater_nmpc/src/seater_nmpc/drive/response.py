@@ -64,7 +64,7 @@ class ResponseEstimator:
         self._begin_window()
 
     def _begin_window(self) -> None:
-        self._measured, self._predicted, self._time, self._learn = 0.0, np.zeros_like(self._cost), 0.0, True
+        self._measured, self._predicted, self._time, self._weight = 0.0, np.zeros_like(self._cost), 0.0, 1.0
 
     @property
     def drive(self) -> AxisDrive:
@@ -84,15 +84,15 @@ class ResponseEstimator:
         return np.asarray(self._cost[delay].min(axis=1))
 
     def add(
-        self, start: float, end: float, commanded: Callable[[float, float], float], measured: float, *, learn: bool
+        self, start: float, end: float, commanded: Callable[[float, float], float], measured: float, *, weight: float
     ) -> None:
         """`measured` was the speed between two times [s]; `commanded(start, end)`: mean of what was sent between two
-        times, whenever it acts. `learn`: whether it says something about the motors."""
+        times, whenever it acts. `weight`, 0 to 1: how much it says about the motors."""
         duration = end - start
         if duration > _GAP or abs(measured) > _FASTEST:
             self.restart()
             return
-        self._learn = self._learn and learn
+        self._weight = min(self._weight, weight)
         commands = np.array([commanded(start - delay, end - delay) for delay in self.delays])[:, None, None]
         self._predicted += duration * self._advance(duration, commands)
         self._measured += duration * measured
@@ -112,9 +112,9 @@ class ResponseEstimator:
 
     def _compare(self) -> None:
         self._difference = (self._measured - self._predicted) / self._time
-        if self._learn:
+        if self._weight > 0.0:
             residual = self._difference / self._noise
-            self._cost += np.log1p(residual * residual)
+            self._cost += self._weight * np.log1p(residual * residual)
             self._cost = np.minimum(self._cost - self._cost.min(), _MOST + self._prior)
             self._drive = better(self._cost.min(axis=(0, 1)), self._drive, _MARGIN)
         self._begin_window()

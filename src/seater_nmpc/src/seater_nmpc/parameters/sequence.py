@@ -30,7 +30,7 @@ class SequenceParameters:
     max_start_distance: float = param(6.0, "m", "largest distance of the dock at the start", low=0.5, high=50.0)
     max_retries: int = param(2, "", "times the chair backs out and tries again", low=0, high=20)
     retry_distance: float = param(
-        0.7, "m", "how far it backs out then, if it stands nearly right (at most to predock_x)", low=0.1, high=5.0
+        1.0, "m", "how far it backs out then, if it stands nearly right (at most to predock_x)", low=0.1, high=5.0
     )
     gate_distance: float = param(
         0.10, "m", "distance before the bay at which the corridor decides on a retry", low=0.0, high=2.0

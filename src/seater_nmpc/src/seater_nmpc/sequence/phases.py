@@ -33,6 +33,7 @@ STANDING = Command(v=0.0, omega=0.0)
 _MOVING = (Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.CORRECTING)
 _UNDOCKED_SPEED = 0.1  # [m/s] below which the chair near the predock point has arrived there
 _IMAGES_THAT_MAY_FAIL = 4  # in a row, the time until the next one arrives reckoned in
+_NEAR = 0.03  # [m] from the dock, where a chair that does not drive on is helped by a small move
 _STOPPING_MARGIN = 0.001  # [m] short of the dock at which the chair is stopped for good
 _UNSEEN = 2.0  # [s] that a standing chair waits for images before verification decides
 _VERDICTS = {
@@ -212,7 +213,10 @@ class Phases:
         if rest[0] >= -self._stopping_margin(speeds) or self._standstill.in_place(chair.stamp, rest):
             self._enter(Phase.STOPPING)
             return STANDING
-        if self._standstill.stalled(chair.stamp, self._measured(chair)):
+        if self._standstill.stalled(chair.stamp, self._measured(chair), near=bool(abs(error[0]) <= _NEAR)):
+            if abs(error[0]) <= _NEAR:
+                self._enter(Phase.STOPPING)
+                return STANDING
             return self._try_again(chair, ResultCode.NOT_WITHIN_TOLERANCE, "stands short of the dock")
         return self._drive(chair, straight_in(error))
 

@@ -11,6 +11,7 @@ from seater_nmpc.parameters import SequenceParameters
 
 Array = NDArray[np.float64]
 
+_PATIENCE_NEAR = 0.25  # fraction of `stall_time`
 _AT_THE_DOCK = 0.001  # [m] distance at which no more is to be gained by driving
 
 
@@ -38,9 +39,11 @@ class Standstill:
         """Since when it has stood [s]."""
         return self._moved
 
-    def stalled(self, stamp: float, speeds: tuple[float, float]) -> bool:
-        """Whether it has stood for longer than `stall_time` though it was asked to drive."""
-        return self.stands(stamp, speeds) and stamp - self._moved > self._parameters.stall_time
+    def stalled(self, stamp: float, speeds: tuple[float, float], *, near: bool = False) -> bool:
+        """Whether it has stood for longer than `stall_time` though it was asked to drive; `near` the dock, a quarter of
+        that will do."""
+        patience = self._parameters.stall_time * (_PATIENCE_NEAR if near else 1.0)
+        return self.stands(stamp, speeds) and stamp - self._moved > patience
 
     def in_place(self, stamp: float, rest_error: Array) -> bool:
         """Whether it would come to rest at the dock, or has hovered in the release zone for `settle_time`: as near as
