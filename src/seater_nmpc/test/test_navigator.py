@@ -130,6 +130,16 @@ def test_an_open_dock_is_reached_on_a_final_straight() -> None:
     assert navigator.straight_way_clear((-1.5, 0.0, 0.0))
 
 
+@pytest.mark.filterwarnings("error")  # scipy warns of negative costs, for which Dijkstra's paths are wrong
+@pytest.mark.parametrize(("front", "rear"), [(0.75, 0.30), (0.50, 0.55), (0.25, 0.80)])
+def test_at_an_open_dock_no_part_of_a_way_costs_less_than_nothing(front: float, rear: float) -> None:
+    """Rear-, mid- and front-wheel chairs: what lies ahead of the driven axle does not move the lane past the dock."""
+    chair = replace(CHAIR, length_front=front, length_rear=rear)
+    dock = replace(DOCK, bay=replace(DOCK.bay, side_wall_length=0.0))
+    path = Planner(chair, dock, PARAMETERS, CONTROL.margin, FIELD).path((-2.5, 0.3, 0.0))
+    assert path is not None and path.duration >= 2.5 / chair.limits.v_max
+
+
 def test_the_guide_asks_for_the_turning_point_then_for_the_end() -> None:
     poses = np.array([[0.0, 0.0, 0.0], [-0.5, 0.0, 0.0], [-1.0, 0.0, 0.0], [-0.5, 0.0, 0.0], [0.0, 0.0, 0.0]])
     guide = Guide(Path(poses, np.array([False, True, True, False, False]), 1.0), PARAMETERS)

@@ -185,5 +185,5 @@ class Planner:
         return bool(np.all(self._free.clear(ahead, self._walls))) and self.clear_of_obstacles(lane)
 
     def _time_from(self, poses: Array) -> Array:
-        """Seconds from a goal pose straight to the dock's frame (the bay's speed limit is the same for all)."""
+        """Seconds from goals, all ahead of the dock, straight to its frame (the bay's limit is the same for all)."""
         return -poses[:, 0] / self._chair.limits.v_max

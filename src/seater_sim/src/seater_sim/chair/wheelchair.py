@@ -117,7 +117,9 @@ class WheelchairPlant:
         elapsed, direction = self.time_ns / NANOSECONDS, math.copysign(1.0, way)
         left = (way - half * turn) * self._drive.strength(elapsed, direction * loads[0]) * (1.0 - motor.weak_left)
         right = (way + half * turn) * self._drive.strength(elapsed, direction * loads[1]) * (1.0 - motor.weak_right)
-        castors, slope = self.castors.push(self.v, self.omega), self._floor.push(*gravity)
+        slope = self._floor.push(*gravity)
+        speed, rate = 0.5 * (left + right) / duration, 0.5 * (right - left) / (half * duration)
+        castors = self.castors.push(speed + slope[0], rate + slope[1])
         pushed, swerved = (castors[0] + slope[0]) * duration, half * (castors[1] + slope[1]) * duration
         return left + pushed - swerved, right + pushed + swerved
 
