@@ -13,8 +13,8 @@ from seater_common.se2 import arc_step, compose, inverse, relative
 from seater_nmpc.observe.innovation import Fusion
 from seater_nmpc.observe.measurement import difference
 from seater_nmpc.observe.observer import DockObserver
-from seater_nmpc.parameters import ObserverParameters
 from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.parameters import ObserverParameters
 
 CHAIR = Chair()
 STEP = 0.01  # [s]
