@@ -23,7 +23,7 @@ from seater_nmpc.control.controller import DockingController  # noqa: E402
 from seater_nmpc.observe.measurement import Hypothesis  # noqa: E402
 from seater_nmpc.observe.observer import DockObserver  # noqa: E402
 from seater_nmpc.observe.odometry import Odometry  # noqa: E402
-from seater_nmpc.parameters import ControlParameters  # noqa: E402
+from seater_nmpc.parameters import ControlParameters, Prediction  # noqa: E402
 from seater_nmpc.plan.navigator import Navigator  # noqa: E402
 from seater_nmpc.sequence.docking_sequence import DockingSequence  # noqa: E402
 from seater_nmpc.sequence.results import Step  # noqa: E402
@@ -31,6 +31,7 @@ from seater_nmpc.sequence.vehicle import Vehicle  # noqa: E402
 
 T_ODOM_DOCK = np.array([1.0, 2.0, 0.7])
 CAMERA = CameraModel.from_mapping(yaml.safe_load((SOURCES.parent / "config/cameras/d455.yaml").read_text()))
+AT_ONCE = Prediction(command_delay=0.0, motor_lag=0.0)  # what the perfect unicycle makes of a command
 NOISE = (0.002, 0.003)  # standard deviations of an image's pose [m, rad]
 
 
@@ -101,16 +102,16 @@ class World:
 
 @pytest.fixture(scope="session")
 def controller() -> DockingController:
-    """The controller with its quickest solver."""
+    """The controller with its quickest solver, told that the chair obeys at once."""
     return DockingController(
-        Chair(), Dock(), replace(ControlParameters(), solver="rti"), deterministic=True, camera=CAMERA
+        Chair(), Dock(), replace(ControlParameters(prediction=AT_ONCE), solver="rti"), deterministic=True, camera=CAMERA
     )
 
 
 @pytest.fixture(scope="session")
 def quick_controller() -> DockingController:
     """Sees as far with half the steps: for sequences, which are not about the last millimetre."""
-    parameters = replace(ControlParameters(), solver="rti", horizon=15, step=0.2)
+    parameters = replace(ControlParameters(prediction=AT_ONCE), solver="rti", horizon=15, step=0.2)
     return DockingController(Chair(), Dock(), parameters, deterministic=True, camera=CAMERA)
 
 

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from conftest import AT_ONCE
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import arc_step
@@ -79,13 +80,15 @@ class Saboteur:
 @cache
 def problem_of(horizon: int) -> Problem:
     """The same for all solvers."""
-    return make_problem(CHAIR, replace(ControlParameters(), horizon=horizon, step=0.2), dock_areas(DOCK))
+    return make_problem(
+        CHAIR, replace(ControlParameters(prediction=AT_ONCE), horizon=horizon, step=0.2), dock_areas(DOCK)
+    )
 
 
 @pytest.fixture(scope="module", params=SOLVERS)
 def sabotaged(request):
     """Each solver in a controller without a clock, and the same solver's saboteur."""
-    parameters = replace(ControlParameters(), solver=request.param, horizon=15, step=0.2)
+    parameters = replace(ControlParameters(prediction=AT_ONCE), solver=request.param, horizon=15, step=0.2)
     saboteur = Saboteur(make_solver(problem_of(15), parameters))
     return saboteur, DockingController(CHAIR, DOCK, parameters, deterministic=True, solver=saboteur)
 
@@ -140,7 +143,7 @@ def test_a_spoilt_result_leads_down_the_chain_and_back(sabotaged, mode) -> None:
 @pytest.mark.parametrize("name", SOLVERS)
 def test_a_late_result_is_not_used_but_gone_on_from(name, monkeypatch) -> None:
     """With a clock that only the saboteur moves on: a loaded machine is not late by itself."""
-    base = replace(ControlParameters(), solver=name, horizon=10, step=0.2)
+    base = replace(ControlParameters(prediction=AT_ONCE), solver=name, horizon=10, step=0.2)
     parameters = replace(base, max_wall_time=0.5, max_wall_time_cold=5.0)
     saboteur = Saboteur(make_solver(problem_of(10), parameters))
     monkeypatch.setattr(guard, "time", saboteur.clock)
@@ -163,7 +166,7 @@ def test_clamp_holds_the_chairs_limits_where_the_chair_is_faster() -> None:
 
 
 def test_a_good_solution_passes_unchanged() -> None:
-    parameters = replace(ControlParameters(), solver="ipopt", horizon=10, walls=False)
+    parameters = replace(ControlParameters(prediction=AT_ONCE), solver="ipopt", horizon=10, walls=False)
     problem = make_problem(CHAIR, parameters, None)
     solver = make_solver(problem, parameters)
     state = np.array([-1.0, 0.2, 0.1, 0.0, 0.0])

@@ -10,7 +10,7 @@ from seater_nmpc.parameters import Prediction
 
 def test_prediction_rolls_through_commands_that_do_not_act_yet() -> None:
     """0.2 s delay: 0.1 s at rest, then 0.1 s at 0.4 m/s."""
-    history = CommandHistory(Prediction(command_delay=0.2))
+    history = CommandHistory(Prediction(command_delay=0.2, motor_lag=0.0))
     commands = history.view()
     history.sent(0.9, 0.4, 0.0)
     pose, v, _ = commands.roll(1.0, [1.0, 0.0, 0.0], 0.0, 0.0)

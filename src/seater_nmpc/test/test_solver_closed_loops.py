@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import AT_ONCE
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import arc_step
@@ -15,7 +16,7 @@ from seater_nmpc.parameters import ControlParameters, weight_set
 
 CHAIR, DOCK = Chair(), Dock()
 AREAS = dock_areas(DOCK)
-PARAMETERS = ControlParameters()
+PARAMETERS = ControlParameters(prediction=AT_ONCE)
 
 
 def test_a_long_horizon_does_not_swing_between_two_plans() -> None:

@@ -63,7 +63,8 @@ class Acquisition:
             if len(series) < self._count or len(series) < _AGREEING * self._span(nearest):
                 continue
             mean = combine([measurement for _, measurement in series])
-            if all(self._far(chair, m, now, mean.pose, m.covariance) <= self._gate for chair, m in series):
+            oldest = min((chair for chair, _ in series), key=lambda chair: chair.stamp)
+            if all(self._far(oldest, m, now, mean.pose, m.covariance) <= self._gate for _, m in series):
                 result.append((sum(math.log(m.weight) for _, m in series), series))
         return result
 

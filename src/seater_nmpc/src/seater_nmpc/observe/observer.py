@@ -155,7 +155,7 @@ class DockObserver:
     def _is_ahead(self, stamp: float) -> bool:
         """Whether the odometry of that time is still to come, if it comes as regularly as before."""
         newest, period = self.odometry.newest, self.odometry.period
-        if newest is None or not stamp > newest.stamp + self.parameters.max_extrapolation:
+        if newest is None or not stamp - newest.stamp > self.parameters.max_extrapolation:
             return False
         return stamp <= newest.stamp + 2.0 * period
 

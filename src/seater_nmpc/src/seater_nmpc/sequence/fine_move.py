@@ -56,7 +56,7 @@ class FineMove:
         self._speed = min(self._speed + self._axis.rate * period, self._fastest)
         moving = self._axis.drive.effective(self._axis.drive.command(self._speed)) if self._sure() else 0.0
         self._done += max(0.0, moving - self.resistance) * period
-        self._time += period if moving > self.resistance else 0.0
+        self._time += period if moving > 0.0 else 0.0
         speed = -math.copysign(self._speed, self._begin)
         return (0.0, speed) if self.turning else (speed, 0.0)
 

@@ -1,0 +1,97 @@
+"""Delay, lag and deadband, learned from the response of a simulated axis."""
+
+import math
+
+import numpy as np
+import pytest
+
+from seater_nmpc.drive.axis import AxisDrive
+from seater_nmpc.drive.response import Expected, ResponseEstimator
+
+TURNING = Expected(widths=(0.01, 0.02, 0.03, 0.05, 0.085), typical=0.04, noise=0.012)
+CYCLE, MESSAGE, PIECES = 0.05, 0.02, 4  # [s] between commands and between measurements; pieces of a simulated message
+DELAY, LAG = 0.25, 0.3  # [s] of the axis
+
+
+def swings(t: float) -> float:
+    """Turning on the way to a dock: swings that get smaller [rad/s]."""
+    return 0.35 * math.sin(math.pi * t / 2.0) * math.exp(-t / 6.0) + (0.05 * math.sin(5.0 * t) if t < 10.0 else 0.0)
+
+
+def respond(estimator, drive, asked, seconds=14.0, bumps=None, seed=0, learn=True) -> list[AxisDrive]:
+    """An axis with DELAY, LAG and this drive, asked for `asked(t)`; what is believed after each message."""
+    rng, speed, beliefs = np.random.default_rng(seed), 0.0, []
+    sent = [asked(CYCLE * k) for k in range(round(seconds / CYCLE))]
+
+    def at(t: float) -> float:
+        return sent[min(math.floor(t / CYCLE + 1e-9), len(sent) - 1)] if t >= 0.0 else 0.0
+
+    def mean(start: float, end: float) -> float:
+        return sum(at(start + (end - start) * (i + 0.5) / PIECES) for i in range(PIECES)) / PIECES
+
+    piece = MESSAGE / PIECES
+    decay = math.exp(-piece / LAG)
+    for k in range(round(seconds / MESSAGE)):
+        way = 0.0
+        for i in range(PIECES):
+            target = drive.effective(at(k * MESSAGE + i * piece - DELAY))
+            way += target * piece + (speed - target) * LAG * (1.0 - decay)
+            speed = target + (speed - target) * decay
+        measured = way / MESSAGE + 0.012 * rng.normal() + (bumps(k * MESSAGE) if bumps else 0.0)
+        estimator.add(k * MESSAGE, (k + 1) * MESSAGE, mean, measured, learn=learn)
+        beliefs.append(estimator.drive)
+    return beliefs
+
+
+def believed_times(estimator) -> tuple[float, float]:
+    delay = int(np.argmin(estimator.delay_costs()))
+    return estimator.delays[delay], estimator.lags[int(np.argmin(estimator.lag_costs(delay)))]
+
+
+def typical() -> ResponseEstimator:
+    return ResponseEstimator(AxisDrive(), 0.15, 0.2, TURNING)
+
+
+@pytest.mark.parametrize("offset", [False, True], ids=["jump", "offset"])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_slower_axis_with_a_deadband_is_learned_while_driving(offset: bool, seed: int) -> None:
+    """Delay 0.25 s where 0.15 s is configured, lag 0.3 s (0.28 s is the nearest hypothesis) where 0.2 s is, 0.05."""
+    estimator, truth = typical(), AxisDrive(1.0, 0.05, offset)
+    beliefs = respond(estimator, truth, swings, seed=seed)
+    assert set(beliefs[500:]) == {truth}
+    assert believed_times(estimator) == pytest.approx((0.25, 0.28))
+
+
+def test_the_times_of_a_quick_axis_are_learned_within_five_seconds() -> None:
+    estimator = ResponseEstimator(AxisDrive(), 0.3, 0.4, TURNING)
+    respond(estimator, AxisDrive(), swings, seconds=5.0)
+    assert believed_times(estimator) == pytest.approx((0.25, 0.28)) and estimator.drive == AxisDrive()
+
+
+def test_bumps_and_castors_change_no_belief() -> None:
+    """A push of 0.3 rad/s for 0.15 s every two seconds, on an axis that is as configured."""
+    estimator = ResponseEstimator(AxisDrive(), DELAY, LAG, TURNING)
+    beliefs = respond(estimator, AxisDrive(), swings, bumps=lambda t: 0.3 if t % 2.0 < 0.15 else 0.0)
+    assert set(beliefs) == {AxisDrive()} and believed_times(estimator) == (DELAY, LAG)
+
+
+def test_large_steady_commands_say_nothing_about_jumps_and_times() -> None:
+    """All predict the same once the speed is reached; what is believed comes from the beginning."""
+    estimator = typical()
+    respond(estimator, AxisDrive(1.0, 0.05), lambda t: 0.4, seconds=3.0, learn=False)
+    before = estimator.delay_costs()
+    settled = respond(estimator, AxisDrive(1.0, 0.05), lambda t: 0.4, seconds=1.0, learn=False)
+    assert np.array_equal(estimator.delay_costs(), before) and set(settled) == {AxisDrive()}
+    steady = typical()
+    for k in range(150):
+        steady.add(k * MESSAGE, (k + 1) * MESSAGE, lambda start, end: 0.4, 0.4, learn=k >= 100)
+    assert np.ptp(steady.delay_costs() - typical().delay_costs()) < 0.05 and steady.drive == AxisDrive()
+
+
+def test_a_gap_and_absurd_speeds_begin_anew_and_keep_what_was_learned() -> None:
+    estimator, truth = typical(), AxisDrive(1.0, 0.05, True)
+    respond(estimator, truth, swings)
+    costs = estimator.delay_costs()
+    estimator.add(20.0, 25.0, lambda start, end: 0.4, 0.0, learn=True)
+    estimator.add(25.0, 25.02, lambda start, end: 0.4, 1e300, learn=True)
+    assert np.array_equal(estimator.delay_costs(), costs) and estimator.drive == truth

@@ -1,0 +1,49 @@
+"""What is done with a chair that stands near the dock."""
+
+import numpy as np
+import pytest
+
+from seater_common.se2 import compose, inverse
+from seater_nmpc.observe.measurement import Measurement
+from seater_nmpc.observe.odometry import NO_TRAVEL, Instant
+from seater_nmpc.parameters import SequenceParameters
+from seater_nmpc.sequence.correction import Verdict, judge, standing_dock
+
+P = SequenceParameters(
+    hold_position=0.003, hold_heading=0.006, release_position=0.008, release_heading=0.014, max_moves=3
+)
+
+
+@pytest.mark.parametrize(
+    ("error", "moves", "verdict"),
+    [
+        ((-0.002, 0.006, 0.005), 0, Verdict.STAY),
+        ((-0.002, 0.006, 0.007), 0, Verdict.TURN),
+        ((-0.02, 0.0, -0.1), 0, Verdict.TURN),  # heading first: it moves what is ahead
+        ((-0.004, 0.0, 0.0), 0, Verdict.MOVE),
+        ((0.004, 0.0, 0.0), 0, Verdict.STAY),  # a little too deep: not worth driving back
+        ((0.009, 0.0, 0.0), 0, Verdict.MOVE),
+        ((0.0, -0.009, 0.0), 0, Verdict.AGAIN),  # no move on the spot mends that
+        ((0.0, 0.0, 0.13), 0, Verdict.AGAIN),
+        ((-0.007, 0.0, 0.013), 3, Verdict.STAY),  # no move left, but good enough
+        ((-0.007, 0.0, 0.015), 3, Verdict.AGAIN),
+        ((-0.006, 0.006, 0.0), 3, Verdict.AGAIN),
+        ((-0.03, 0.0, 0.0), 2, Verdict.MOVE),
+        ((-0.03, 0.0, 0.0), 3, Verdict.AGAIN),
+    ],
+)
+def test_verdicts(error, moves: int, verdict: Verdict) -> None:
+    assert judge(np.array(error), moves, P) is verdict
+
+
+def test_the_dock_is_the_mean_of_images_as_seen_from_the_standing_chair() -> None:
+    """Whatever odometry drifts meanwhile: in odom these images are 30 cm apart."""
+    T_base_dock, rng = np.array([0.9, -0.1, 0.2]), np.random.default_rng(3)
+    fresh = []
+    for k in range(100):
+        T_odom_base = np.array([1.0 + 0.003 * k, 2.0, 0.5 + 0.01 * k])
+        seen = compose(T_odom_base, T_base_dock + 0.002 * rng.normal(size=3))
+        fresh.append((Instant(0.1 * k, T_odom_base, 0.0, 0.0, NO_TRAVEL), Measurement(seen, 4e-6 * np.eye(3))))
+    assert standing_dock(fresh) == pytest.approx(T_base_dock, abs=8e-4)
+    one = fresh[0]
+    assert standing_dock([one]) == pytest.approx(compose(inverse(one[0].pose), one[1].pose))
