@@ -56,7 +56,7 @@ class DockObserver:
         """`standing`: the first estimate is made only while the chair stands."""
         self._T_base_optical = mount.T_base_optical()
         self.parameters = parameters or ObserverParameters()
-        self._standing = standing
+        self._standing, self._moving_allowed = standing, False
         p = self.parameters
         self._calibration = np.diag([p.calibration_position**2, p.calibration_position**2, p.calibration_heading**2])
         self.odometry = OdometryBuffer(self.parameters.buffer_duration, self.parameters.max_extrapolation)
@@ -77,6 +77,10 @@ class DockObserver:
         self.last_rejected: Innovation | None = None  # of the newest image, when it was outside the gate
         self._stamps: deque[float] = deque(maxlen=_RATE_IMAGES)
         self._since_used: Counter[Outcome] = Counter()  # what became of the images since the last used one
+
+    def acquire_moving(self, moving: bool) -> None:
+        """Whether the first estimate may be made while the chair moves; else as constructed."""
+        self._moving_allowed = moving
 
     @property
     def prior(self) -> Array | None:
@@ -167,8 +171,9 @@ class DockObserver:
         if self._prior is not None:
             offered = [m for m in offered if math.dist(m.pose[:2], self._prior[:2]) <= self._prior_radius]
         moving = abs(chair.v) > p.acquire_speed or abs(chair.omega) > p.acquire_speed + 2.0 * p.gyro_bias_sd
-        if not offered or (self._standing and moving):
-            if self._standing and moving:
+        must_stand = self._standing and not self._moving_allowed
+        if not offered or (must_stand and moving):
+            if must_stand and moving:
                 self._candidates.clear()
             return Outcome.ACQUIRING
         series = self._candidates.offer(chair, offered)

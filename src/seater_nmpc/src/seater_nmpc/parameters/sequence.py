@@ -12,6 +12,7 @@ class Timeouts:
     """How long a phase may take [message time]."""
 
     detect: float = param(10.0, "s", "waiting for the dock", low=0.1, high=600.0)
+    search: float = param(90.0, "s", "turning and driving to where the dock can be seen", low=1.0, high=600.0)
     approach: float = param(40.0, "s", "approach", low=1.0, high=600.0)
     final: float = param(60.0, "s", "final straight", low=1.0, high=600.0)
     stopping: float = param(5.0, "s", "coming to rest", low=0.5, high=60.0)
@@ -27,6 +28,13 @@ class SequenceParameters:
     """The docking sequence."""
 
     timeouts: Timeouts = field(default_factory=Timeouts)
+    search_after: float = param(
+        2.0,
+        "s",
+        "standing without the dock in view, before the chair looks for it where the goal says",
+        low=0.0,
+        high=60.0,
+    )
     max_start_distance: float = param(6.0, "m", "largest distance of the dock at the start", low=0.5, high=50.0)
     max_retries: int = param(2, "", "times the chair backs out and tries again", low=0, high=20)
     retry_distance: float = param(

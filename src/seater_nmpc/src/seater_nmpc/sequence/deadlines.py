@@ -14,6 +14,7 @@ class Deadlines:
         self._start, self._timeout, self._entered = start, timeout, start
         self._limits = {
             Phase.WAITING_FOR_DOCK: (timeouts.detect, ResultCode.FAILED_TO_DETECT_DOCK),
+            Phase.SEARCHING: (timeouts.search, ResultCode.FAILED_TO_DETECT_DOCK),
             Phase.APPROACH: (timeouts.approach, ResultCode.FAILED_TO_STAGE),
             Phase.FINAL: (timeouts.final, ResultCode.TIMEOUT),
             Phase.STOPPING: (timeouts.stopping, ResultCode.TIMEOUT),
@@ -24,6 +25,11 @@ class Deadlines:
     def enter(self, now: float) -> None:
         """A phase begins."""
         self._entered = now
+
+    @property
+    def entered(self) -> float:
+        """When the phase began."""
+        return self._entered
 
     def elapsed(self, now: float) -> float:
         """Since the goal began."""

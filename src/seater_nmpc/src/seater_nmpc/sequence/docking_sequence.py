@@ -138,8 +138,15 @@ class DockingSequence:
             raise GoalEnd(ResultCode.ODOMETRY_LOST, f"newest odometry is {now - newest.stamp:.2f} s old")
         late = self._phases.deadlines.missed(now, self._phases.phase)
         if late is not None:
-            raise GoalEnd(*late)
+            code, text = late
+            unseen = code is ResultCode.FAILED_TO_DETECT_DOCK
+            raise GoalEnd(code, f"{text}: {self.observer.why_unseen}" if unseen else self._with_reason(text))
         return self.observer.odometry.at(now)
+
+    def _with_reason(self, text: str) -> str:
+        """The text, and why there is no way into the bay, if that is so."""
+        reason = self._phases.no_way
+        return f"{text}: {reason}" if reason else text
 
     def _step(self, now: float, command: Command, result: Result | None = None) -> Step:
         self._controller.history.sent(now, command.v, command.omega)  # some are the sequence's own

@@ -24,6 +24,7 @@ from seater_nmpc.sequence.correction import judge, standing_dock
 from seater_nmpc.sequence.deadlines import Deadlines
 from seater_nmpc.sequence.fine_move import FineMove
 from seater_nmpc.sequence.results import Phase, ResultCode
+from seater_nmpc.sequence.search import Search
 from seater_nmpc.sequence.standstill import Standstill
 from seater_nmpc.sequence.verification import Verdict, Verification, within
 
@@ -74,6 +75,7 @@ class Phases:
         self._corridor = Corridor(chair, dock, parameters)
         self._handlers: dict[Phase, Callable[[Instant], Command]] = {
             Phase.WAITING_FOR_DOCK: self._wait,
+            Phase.SEARCHING: self._find,
             Phase.APPROACH: self._approach,
             Phase.FINAL: self._final,
             Phase.STOPPING: self._stop,
@@ -92,6 +94,7 @@ class Phases:
         self.error: Array | None = None  # (3,) the chair in the dock's frame, once known
         self.T_odom_dock: Array | None = None
         self._controller.history.clear()  # whoever drove until now did not say
+        self.no_way = ""  # why there is no way into the bay
         self._blind_since: float | None = None
         self._controller.set_speed_limit()
         self._enter(phase)
@@ -140,6 +143,8 @@ class Phases:
         if phase not in (Phase.STOPPING, Phase.CORRECTING):
             self._moves, self._fine_move = 0, None
         self._navigator.restart()
+        self._search: Search | None = None
+        self._observer.acquire_moving(phase is Phase.SEARCHING)
         if phase in (Phase.WAITING_FOR_DOCK, Phase.VERIFY, Phase.UNDOCKING):
             self._controller.reset()
 
@@ -174,6 +179,10 @@ class Phases:
     def _wait(self, chair: Instant) -> Command:
         estimate = self._observer.estimate(chair.stamp)
         if estimate is None or self.blind(estimate):
+            waited = self.now - self.deadlines.entered
+            if self._observer.prior is not None and waited >= self._parameters.search_after:
+                self._enter(Phase.SEARCHING)
+                return self._find(chair)
             return STANDING
         error = self._look(chair)
         if math.hypot(error[0], error[1]) > self._parameters.max_start_distance:
@@ -182,6 +191,22 @@ class Phases:
             raise GoalEnd(ResultCode.ALREADY_DOCKED, "already docked")
         self._enter(Phase.FINAL if self._way_in(error) else Phase.APPROACH)
         return self._handlers[self.phase](chair)
+
+    def _find(self, chair: Instant) -> Command:
+        """Look for the dock by the rough pose; as soon as it is found, go on as if it had been in view."""
+        estimate, prior = self._observer.estimate(chair.stamp), self._observer.prior
+        if estimate is not None and not self.blind(estimate):
+            return self._wait(chair)
+        assert prior is not None  # or there would be nothing to look for
+        if self._search is None:
+            obstacles = self._controller.obstacles
+            self._search = Search(self._chair, self._dock, obstacles, self._observer.image_period)
+        speeds = self._speeds(chair)
+        rest = relative(prior, self._controller.rest_pose(chair.stamp, chair.pose, speeds))
+        asked = self._search.speeds(chair.stamp, relative(prior, chair.pose), rest)
+        if asked is None:
+            raise GoalEnd(ResultCode.FAILED_TO_DETECT_DOCK, f"looked all round for it: {self._observer.why_unseen}")
+        return self._controller.move(chair.stamp, speeds, *asked)
 
     def _approach(self, chair: Instant) -> Command:
         error = self._look(chair)
@@ -192,12 +217,13 @@ class Phases:
 
     def _go(self, chair: Instant, error: Array) -> Command:
         """Along the planned way; where none is found, straight for the predock point unless the bay is blocked."""
-        target = self._navigator.target(error)
+        target, self.no_way = self._navigator.target(error), ""
         if target is not None:
             return self._drive(chair, target)
         if self._navigator.blocked():
             self._controller.reset()
-            return replace(STANDING, text="obstacles leave no way into the bay")
+            self.no_way = self._navigator.reason or "obstacles leave no way into the bay"
+            return replace(STANDING, text=self.no_way)
         return self._drive(chair, "predock")
 
     def _way_in(self, error: Array) -> bool:

@@ -19,6 +19,7 @@ class Phase(IntEnum):
     RETRY = 5
     UNDOCKING = 6
     CORRECTING = 7
+    SEARCHING = 8
 
 
 class ResultCode(IntEnum):

@@ -1,0 +1,112 @@
+"""Looking for a dock that is not in view, by a rough pose of it: turn towards it, drive to where it can be seen, turn.
+
+Slowly and without a plan that trusts the rough pose to a centimetre: turns on the spot, straight drives, and looking
+while standing. Poses are (x, y, heading) of base_link in the frame of the dock as roughly given.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_common.geometry import Chair, Dock, polygon_distance
+from seater_common.se2 import wrap_angle
+
+Array = NDArray[np.float64]
+Speeds = tuple[float, float]
+
+_LOOK = 2.0  # [s] standing, so that a few images can agree; at slow cameras longer: until so many images came
+_IMAGES = 8
+_SPEED, _TURN = 0.2, 0.35  # [m/s, rad/s]
+_DECELERATION, _TURN_DECELERATION = 0.2, 0.4  # [m/s^2, rad/s^2] that turns and drives end with
+_ARRIVED, _TURNED = 0.1, 0.05  # [m, rad]
+_STEERING = 1.0  # [1/s] turning rate per angle to the place that is driven to
+_SWEEPS = (0.0, 0.6, -0.6, 1.2, -1.2)  # [rad] beside the direction of the dock, where the chair looks
+_MARGIN = 0.1  # [m] that the footprint keeps from walls and obstacles
+_VIEWPOINT = 1.3  # [m] from the mouth of the bay to the front of the chair, where markers are surely to be seen
+_SWEEP_STEPS = 24
+
+
+class Search:
+    """Ask it for speeds in each cycle while the dock has not been found; None: it has looked everywhere."""
+
+    def __init__(self, chair: Chair, dock: Dock, obstacles: list[Array], image_period: float) -> None:
+        """`obstacles`: outlines (n, 2) in the dock's frame [m]. `image_period` [s]: usual time between two images."""
+        self._chair, self._dock = chair, dock
+        self._areas = [*dock.bay.outlines(), *obstacles]
+        self._look_time = max(_LOOK, _IMAGES * image_period)
+        self._now, self._pose, self._rest = 0.0, np.zeros(3), np.zeros(3)
+        self._steps = self._search()
+
+    def speeds(self, now: float, pose: Array, rest: Array) -> Speeds | None:
+        """(v, omega) for this cycle at the time `now` [s]. `rest`: where the chair would come to rest."""
+        self._now, self._pose, self._rest = now, pose, rest
+        return next(self._steps, None)
+
+    def _search(self) -> Iterator[Speeds]:
+        yield from self._look_around()
+        bay = self._dock.bay
+        viewpoint = np.array([bay.entrance_x - self._chair.length_front - _VIEWPOINT, 0.0])
+        if math.dist(self._pose[:2], viewpoint) > 2.0 * _ARRIVED and self._way_clear(viewpoint):
+            yield from self._turn(self._bearing(viewpoint))
+            yield from self._drive(viewpoint)
+            yield from self._look_around()
+
+    def _look_around(self) -> Iterator[Speeds]:
+        middle = np.mean([marker.position[:2] for marker in self._dock.markers], axis=0)
+        towards = self._bearing(middle) - self._chair.camera.yaw
+        for aside in _SWEEPS:
+            yield from self._turn(towards + aside)
+            since = self._now
+            while self._now - since < self._look_time:
+                yield 0.0, 0.0
+
+    def _turn(self, heading: float) -> Iterator[Speeds]:
+        """On the spot, whichever way round is clear, the shorter one first; not at all when none is."""
+        short = wrap_angle(heading - float(self._pose[2]))
+        ways = (short, short - math.copysign(2.0 * math.pi, short))
+        clear = next((turn for turn in ways if self._turn_clear(turn)), None)
+        if clear is None:
+            return
+        left, before = clear, float(self._rest[2])
+        left -= wrap_angle(before - float(self._pose[2]))
+        while abs(left) > _TURNED:
+            yield 0.0, math.copysign(min(_TURN, math.sqrt(2.0 * _TURN_DECELERATION * abs(left))), left)
+            left -= wrap_angle(float(self._rest[2]) - before)
+            before = float(self._rest[2])
+
+    def _drive(self, place: Array) -> Iterator[Speeds]:
+        """Straight to a place (x, y)."""
+        while True:
+            away = math.dist(self._rest[:2], place)
+            off = wrap_angle(self._bearing(place) - float(self._pose[2]))
+            if away <= _ARRIVED or abs(off) > 0.5 * math.pi:
+                return
+            v = min(_SPEED, math.sqrt(2.0 * _DECELERATION * away)) * max(0.0, math.cos(off))
+            yield v, min(max(_STEERING * off, -_TURN), _TURN)
+
+    def _bearing(self, place: Array) -> float:
+        return math.atan2(float(place[1] - self._pose[1]), float(place[0] - self._pose[0]))
+
+    def _turn_clear(self, turn: float) -> bool:
+        poses = (self._pose + [0.0, 0.0, turn * fraction] for fraction in np.linspace(0.0, 1.0, _SWEEP_STEPS))
+        return all(self._clear(pose) for pose in poses)
+
+    def _way_clear(self, place: Array) -> bool:
+        heading = self._bearing(place)
+        return all(
+            self._clear(np.array([*(self._pose[:2] + fraction * (place - self._pose[:2])), heading]))
+            for fraction in np.linspace(0.1, 1.0, _SWEEP_STEPS)
+        )
+
+    def _clear(self, pose: Array) -> bool:
+        corners, margin = self._chair.corners_at(pose), _MARGIN
+        here = self._chair.corners_at(self._pose)
+        for area in self._areas:
+            # Where it stands too near already, what does not bring it nearer is allowed.
+            if polygon_distance(corners, area) < min(margin, polygon_distance(here, area) - 1e-3):
+                return False
+        return True
