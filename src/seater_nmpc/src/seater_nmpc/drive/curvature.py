@@ -6,8 +6,6 @@ the difference of measured and expected turning rate (an integrator, which leave
 
 from __future__ import annotations
 
-import os
-
 _TIME = 3.0  # [s] in which the estimate follows at speed
 _SLOW = 0.05  # [m/s] below which a turning rate says little about a curvature
 _MOST = 0.2  # [rad/m]

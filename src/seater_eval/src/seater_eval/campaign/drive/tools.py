@@ -29,7 +29,8 @@ def controller(chair: Chair, dock: Dock, parameters: NmpcParameters) -> DockingC
         return made
 
     kept = _keep("controller", (chair, dock, parameters.control), make)
-    kept.reset()
+    kept.forget_chair()
+    kept.set_speed_limit()
     return kept
 
 
