@@ -21,7 +21,7 @@ def driven(drive: AxisDrive, wanted, steady: bool = False, modulator: Modulator 
 
 @KINDS
 def test_the_way_is_the_wanted_one_to_within_a_short_move(drive) -> None:
-    """At any time in a second, in which little is forgotten: a move too little before one, half a cycle too much after."""
+    """At any time in a second, in which little is forgotten: a move too little before it, a cycle too much after it."""
     move, cycle = drive.smallest_speed * SHORTEST, drive.smallest_speed * PERIOD
     for part in np.linspace(0.0, 2.0, 21):
         wanted = np.full(20, part * drive.smallest_speed)
