@@ -9,7 +9,7 @@ from seater_common.se2 import arc_step
 from seater_eval.baselines.bay_speed import SlowInBay
 from seater_eval.baselines.closed_loop import euler_step, limited, run_perfect
 from seater_eval.baselines.do_mpc_baseline import DoMpc
-from seater_eval.baselines.nmpc import Nmpc, available_solvers
+from seater_eval.baselines.nmpc import Nmpc, available_solvers, for_perfect_chair
 from seater_eval.baselines.paper_formulation import PaperFormulation
 from seater_eval.baselines.park_kuipers import ParkKuipers
 from seater_eval.baselines.pbvs import Pbvs, PbvsGains
@@ -18,7 +18,8 @@ from seater_nmpc.parameters import ControlParameters
 
 CHAIR, DOCK = Chair(), Dock()
 LIMITS = CHAIR.limits
-FREE = dataclasses.replace(ControlParameters(), walls=False, horizon=20)
+PERFECT = for_perfect_chair(ControlParameters())
+FREE = dataclasses.replace(PERFECT, walls=False, horizon=20)
 STARTS = [(-2.0, 0.0, 0.0), (-2.5, 0.8, -0.35), (-1.5, 2.0, 0.0)]
 
 
@@ -45,7 +46,7 @@ def test_do_mpc_reaches_the_dock_in_free_space() -> None:
 def test_do_mpc_has_the_same_problem_as_the_docking_controller() -> None:
     """Walls, bay speed and penalty included: the two drive the same way, but for the field of view, which is easy
     here."""
-    parameters = dataclasses.replace(ControlParameters(), horizon=12, control_period=0.1)
+    parameters = dataclasses.replace(PERFECT, horizon=12, control_period=0.1)
     start, loops = (-1.1, 0.05, 0.02), []
     for controller in (DoMpc(CHAIR, DOCK, parameters), Nmpc(CHAIR, DOCK, parameters, "ipopt")):
         loops.append(run_perfect(controller, LIMITS, start, 1.5))

@@ -61,6 +61,8 @@ def test_one_late_cycle_and_noisy_stamps_change_nothing(controller) -> None:
     assert controller.period == 0.05
     drive(controller, (-2.5, 0.5, -0.3), [0.1] * 5)
     assert controller.period == pytest.approx(0.1)
+    drive(controller, (-2.5, 0.5, -0.3), [0.1] * 5 + [0.3] * 2)
+    assert controller.period == pytest.approx(0.1)
     drive(controller, (-2.5, 0.5, -0.3), [0.1] * 5 + [0.02] * 3)
     assert controller.period == 0.05  # quick ones: nothing shorter than configured is planned for
 

@@ -18,7 +18,7 @@ def swings(t: float) -> float:
     return 0.35 * math.sin(math.pi * t / 2.0) * math.exp(-t / 6.0) + (0.05 * math.sin(5.0 * t) if t < 10.0 else 0.0)
 
 
-def respond(estimator, drive, asked, seconds=14.0, bumps=None, seed=0, learn=True) -> list[AxisDrive]:
+def respond(estimator, drive, asked, seconds=14.0, bumps=None, seed=0, weight=1.0) -> list[AxisDrive]:
     """An axis with DELAY, LAG and this drive, asked for `asked(t)`; what is believed after each message."""
     rng, speed, beliefs = np.random.default_rng(seed), 0.0, []
     sent = [asked(CYCLE * k) for k in range(round(seconds / CYCLE))]
@@ -38,7 +38,7 @@ def respond(estimator, drive, asked, seconds=14.0, bumps=None, seed=0, learn=Tru
             way += target * piece + (speed - target) * LAG * (1.0 - decay)
             speed = target + (speed - target) * decay
         measured = way / MESSAGE + 0.012 * rng.normal() + (bumps(k * MESSAGE) if bumps else 0.0)
-        estimator.add(k * MESSAGE, (k + 1) * MESSAGE, mean, measured, learn=learn)
+        estimator.add(k * MESSAGE, (k + 1) * MESSAGE, mean, measured, weight=weight)
         beliefs.append(estimator.drive)
     return beliefs
 
@@ -78,13 +78,13 @@ def test_bumps_and_castors_change_no_belief() -> None:
 def test_large_steady_commands_say_nothing_about_jumps_and_times() -> None:
     """All predict the same once the speed is reached; what is believed comes from the beginning."""
     estimator = typical()
-    respond(estimator, AxisDrive(1.0, 0.05), lambda t: 0.4, seconds=3.0, learn=False)
+    respond(estimator, AxisDrive(1.0, 0.05), lambda t: 0.4, seconds=3.0, weight=0.0)
     before = estimator.delay_costs()
-    settled = respond(estimator, AxisDrive(1.0, 0.05), lambda t: 0.4, seconds=1.0, learn=False)
+    settled = respond(estimator, AxisDrive(1.0, 0.05), lambda t: 0.4, seconds=1.0, weight=0.0)
     assert np.array_equal(estimator.delay_costs(), before) and set(settled) == {AxisDrive()}
     steady = typical()
     for k in range(150):
-        steady.add(k * MESSAGE, (k + 1) * MESSAGE, lambda start, end: 0.4, 0.4, learn=k >= 100)
+        steady.add(k * MESSAGE, (k + 1) * MESSAGE, lambda start, end: 0.4, 0.4, weight=float(k >= 100))
     assert np.ptp(steady.delay_costs() - typical().delay_costs()) < 0.05 and steady.drive == AxisDrive()
 
 
@@ -92,6 +92,15 @@ def test_a_gap_and_absurd_speeds_begin_anew_and_keep_what_was_learned() -> None:
     estimator, truth = typical(), AxisDrive(1.0, 0.05, True)
     respond(estimator, truth, swings)
     costs = estimator.delay_costs()
-    estimator.add(20.0, 25.0, lambda start, end: 0.4, 0.0, learn=True)
-    estimator.add(25.0, 25.02, lambda start, end: 0.4, 1e300, learn=True)
+    estimator.add(20.0, 25.0, lambda start, end: 0.4, 0.0, weight=1.0)
+    estimator.add(25.0, 25.02, lambda start, end: 0.4, 1e300, weight=1.0)
     assert np.array_equal(estimator.delay_costs(), costs) and estimator.drive == truth
+
+
+def test_what_says_little_counts_little() -> None:
+    half, full = typical(), typical()
+    for estimator, weight in ((half, 0.5), (full, 1.0)):
+        respond(estimator, AxisDrive(), swings, seconds=0.9, weight=weight)
+    before = typical().delay_costs()
+    gained = [np.ptp(estimator.delay_costs() - before) for estimator in (half, full)]
+    assert 0.0 < gained[0] < 0.7 * gained[1]

@@ -56,6 +56,15 @@ def test_constant_slip_is_learned_and_the_sharp_filter_counts_again() -> None:
     assert v == pytest.approx(0.15 * 0.88, abs=0.003)
 
 
+def test_slip_that_begins_on_the_way_is_learned_within_a_metre() -> None:
+    drive = Drive(slip=lambda pose: 0.12 if pose[0] > -2.0 else 0.0)
+    drive.go(0.0, 0.0, 1.5)
+    drive.go(0.4, 0.0, 1.5)
+    assert drive.truth[0] == pytest.approx(-2.0, abs=0.02) and abs(drive.observer.estimate().drift[0]) < 0.01
+    drive.go(0.4, 0.0, 2.8)
+    assert drive.observer.estimate().drift[0] == pytest.approx(1.0 / 0.88 - 1.0, abs=0.035)
+
+
 def test_tyres_that_roll_keep_the_sharp_filter_and_its_small_covariance() -> None:
     rolling, slipping = Drive(), Drive(slip=FLOORS["patches of 12 %"])
     for drive in (rolling, slipping):

@@ -20,7 +20,7 @@ def available_solvers() -> list[str]:
 
 def for_perfect_chair(parameters: ControlParameters) -> ControlParameters:
     """The same controller for a chair without delay and lag, as `run_perfect` simulates it."""
-    return dataclasses.replace(parameters, prediction=Prediction())
+    return dataclasses.replace(parameters, prediction=Prediction(command_delay=0.0, motor_lag=0.0))
 
 
 class Nmpc:
