@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 import pytest
+from conftest import AT_ONCE
 
 from seater_common.geometry import Chair, Dock
 from seater_nmpc.control.command import Status
@@ -18,7 +19,7 @@ AT_WORK, HARMED, AGAIN = 5, 14, 2  # cycles
 
 @pytest.fixture(scope="module", params=SOLVERS)
 def of_each_solver(request) -> DockingController:
-    parameters = replace(ControlParameters(), solver=request.param, horizon=10, step=0.2)
+    parameters = replace(ControlParameters(prediction=AT_ONCE), solver=request.param, horizon=10, step=0.2)
     return DockingController(CHAIR, DOCK, parameters, deterministic=True)
 
 
