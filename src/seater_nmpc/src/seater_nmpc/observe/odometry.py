@@ -120,6 +120,16 @@ class OdometryBuffer:
         """The last message."""
         return self._samples[-1] if self._samples else None
 
+    def mean_speeds(self, duration: float) -> tuple[float, float] | None:
+        """(v [m/s], omega [rad/s]) over the last `duration` [s] by the poses, as far as they reach back."""
+        if len(self._samples) < 2:
+            return None
+        newest = self._samples[-1]
+        before = next((s for s in reversed(self._samples) if s.stamp <= newest.stamp - duration), self._samples[0])
+        x, y, turn = relative(before.pose, newest.pose)
+        elapsed = newest.stamp - before.stamp
+        return math.copysign(math.hypot(x, y), x) / elapsed, float(turn) / elapsed
+
     def at(self, stamp: float) -> Instant | None:
         """The chair at `stamp`; None outside the buffer (a little ahead of it the last speeds are carried on)."""
         if not self._samples or not math.isfinite(stamp) or stamp < self._samples[0].stamp:

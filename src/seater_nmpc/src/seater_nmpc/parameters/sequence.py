@@ -66,7 +66,7 @@ class SequenceParameters:
     )
     stall_time: float = param(4.0, "s", "standing for so long on the final straight starts a retry", low=0.5, high=60.0)
     standing_speed: float = param(
-        0.01, "m/s, rad/s", "measured speed below which the chair stands", low=0.0005, high=0.1
+        0.003, "m/s, rad/s", "speed over `standing_time` below which the chair stands", low=0.0005, high=0.1
     )
     standing_time: float = param(0.3, "s", "how long it must stand before verification", low=0.0, high=5.0)
     verify_measurements: int = param(10, "", "fresh measurements averaged for verification", low=1, high=1000)

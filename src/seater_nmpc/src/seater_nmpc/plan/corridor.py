@@ -33,7 +33,7 @@ class Corridor:
 
 
 # How much lateral error [m] is left as it is, at these places along the dock's axis [m].
-_STRAIGHT_AT, _STRAIGHT_BAND = (-0.60, -0.40, -0.25), (0.0, 0.001, 0.005)
+_STRAIGHT_AT, _STRAIGHT_BAND = (-0.50, -0.35, -0.20), (0.0, 0.0005, 0.003)
 
 
 def straight_in(pose: Array) -> Array:

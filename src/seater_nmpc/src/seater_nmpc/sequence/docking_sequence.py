@@ -11,6 +11,7 @@ does with its speed is limited by the safety gate, which brakes within the chair
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -88,8 +89,9 @@ class DockingSequence:
     def add_odometry(self, odometry: Odometry) -> bool:
         """Take an odometry message; false when it was refused and counted."""
         taken = self.observer.add_odometry(odometry)
-        if taken:
-            self._motion.add_odometry(odometry)
+        newest = self.observer.odometry.newest
+        if taken and newest is not None:
+            self._motion.add_odometry(replace(odometry, v=newest.v, omega=newest.omega))  # as checked against its poses
         return taken
 
     def add_detections(self, stamp: float, hypotheses: list[Hypothesis]) -> Fusion:

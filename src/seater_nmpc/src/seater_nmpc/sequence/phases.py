@@ -172,9 +172,10 @@ class Phases:
         return motion if estimate is None else estimate.true_speeds(*motion)
 
     def _measured(self, chair: Instant) -> tuple[float, float]:
-        """(v, omega) as the odometry has it, less its errors."""
-        estimate = self._observer.estimate(chair.stamp)
-        return (chair.v, chair.omega) if estimate is None else estimate.true_speeds(chair.v, chair.omega)
+        """(v, omega) as the odometry's poses have it over `standing_time`, less its errors."""
+        estimate, speeds = self._observer.estimate(chair.stamp), (chair.v, chair.omega)
+        speeds = self._observer.odometry.mean_speeds(self._parameters.standing_time) or speeds
+        return speeds if estimate is None else estimate.true_speeds(*speeds)
 
     def _wait(self, chair: Instant) -> Command:
         estimate = self._observer.estimate(chair.stamp)
