@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 # Standard deviations that a share has before anything was measured. asymmetry: difference of the gains of both ways;
 # slope and castors: fraction of the typical speed; cross: of the other axis' speed; droop: of the gain, over the
 # recording.
-PRIOR_SD = {"asymmetry": 0.01, "slope": 0.1, "cross": 0.03, "droop": 0.005}
+PRIOR_SD = {"asymmetry": 0.01, "slope": 0.03, "cross": 0.03, "droop": 0.005}
 # Ways since the chair began to move so at which the push of the castors is free, in between it is interpolated;
 # typical speed x [s].
 SWING = (0.0, 0.1, 0.25, 0.5, 0.9, 1.5)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_identify.response.disturbances import PRIOR_SD, disturbances
+from seater_identify.response.disturbances import PRIOR_SD, SWING, disturbances, way_since_change
 from seater_identify.response.model import AxisModel, Commands, grid_of, lagged, mean_speeds
 
 Array = NDArray[np.float64]
@@ -22,6 +22,8 @@ SLOW = 0.3  # of the typical speed
 # [s] after the demand has become zero a brake may hold the wheels; what is measured from then on is left out for
 # RELEASE, because it says nothing about the lag.
 BRAKE, RELEASE = 0.15, 2.0
+UNLIKE = 0.1  # share by which the deadbands of both ways usually differ
+SWINGING = 0.2  # weight of what is measured while the castors swing round
 SMALLEST_SD = 0.001  # of the typical speed: a simulation without noise
 
 
@@ -74,7 +76,12 @@ class AxisProblem:
         """(n + d,) weighted, with those of the priors."""
         coefficients, predicted = self.solve(self.model(parameters))
         weighted = np.sqrt(self.huber) * (self.data.measured - predicted) / self.sd
-        return np.concatenate([weighted, coefficients[1:] / self.prior])
+        return np.concatenate([weighted, coefficients[1:] / self.prior, [self._unlike(parameters)]])
+
+    def _unlike(self, parameters: Array) -> float:
+        """The prior that the deadbands of both ways are alike: a slope moves their difference, too."""
+        plus, minus = (parameters[self.free.index(f"deadband_{way}")] for way in ("plus", "minus"))
+        return float((plus - minus) / (UNLIKE * 0.5 * (plus + minus) + 0.001 * self.data.unit))
 
     def reweight(self, parameters: Array) -> None:
         """Standard deviations and Huber's weights from the residuals at these parameters."""
@@ -88,6 +95,8 @@ class AxisProblem:
                 self.sd[group] = max(sd, SMALLEST_SD * self.data.unit)
         self.sd[~slow & ~fast] = np.max(self.sd[slow], initial=SMALLEST_SD * self.data.unit)
         self.huber = np.minimum(1.0, HUBER * self.sd / np.maximum(np.abs(residual), 1e-12))
+        way = way_since_change(self.data.measured, self.data.other, self.data.end - self.data.begin, self.data.unit)
+        self.huber[way < SWING[-1] * self.data.unit] *= SWINGING
         idle = self._idle(self.model(parameters))
         self.huber[(idle > BRAKE) & (idle < RELEASE)] = 0.0
 
