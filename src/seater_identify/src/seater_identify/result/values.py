@@ -43,14 +43,14 @@ KINDS: dict[str, tuple[str, float]] = {
     "lag_v": ("s", 0.015),
     "lag_omega": ("s", 0.015),
     "gain_v": ("", 0.01),
-    "gain_omega": ("", 0.01),
+    "gain_omega": ("", 0.015),
     "deadband_v": ("m/s", 0.002),
     "deadband_omega": ("rad/s", 0.005),
     "ramp_v": ("m/s^2", 0.05),
     "ramp_omega": ("rad/s^2", 0.1),
     "odometry_scale": ("", 0.005),
-    "odometry_heading_scale": ("", 0.005),
-    "odometry_heading_drift": ("rad/m", 0.005),
+    "odometry_heading_scale": ("", 0.013),
+    "odometry_heading_drift": ("rad/m", 0.007),
 }
 
 
