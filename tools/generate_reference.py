@@ -27,6 +27,7 @@ import yaml
 
 from seater_common.geometry import Chair, Dock
 from seater_eval.perception.images.degraded_camera import RANGES
+from seater_identify.settings import IdentifySettings
 from seater_nmpc.parameters import NmpcParameters
 from seater_sim.settings import SimulatorSettings
 
@@ -130,6 +131,7 @@ def write_page() -> str:
         ("docks/default.yaml", list(groups_of_dataclass(Dock, Dock()))),
         ("controller.yaml", list(groups_of_dataclass(NmpcParameters, NmpcParameters()))),
         ("perception.yaml", perception_groups()),
+        ("identify.yaml", list(groups_of_dataclass(IdentifySettings, IdentifySettings()))),
         ("safety.yaml", [group_of_comments(config / "safety.yaml", SAFETY_RANGES)]),
         ("simulator.yaml", list(groups_of_dataclass(SimulatorSettings, SimulatorSettings()))),
         ("cameras/degraded.yaml", [group_of_comments(config / "cameras" / "degraded.yaml", RANGES)]),

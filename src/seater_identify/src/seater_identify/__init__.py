@@ -1,0 +1,1 @@
+"""Identification of a chair: delay, lag, gains, deadbands, ramp and odometry from a drive."""

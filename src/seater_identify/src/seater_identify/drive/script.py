@@ -1,0 +1,96 @@
+"""Which moves excite what.
+
+Straights at three speeds there and back: delay, lag, gain and ramp of the speed, odometry scale and drift. Whole turns
+both ways in the middle of the way: the same of the turning rate, and the heading scale, because the dock is seen
+before and after a whole turn. Slow rises from zero, each after a move the same way so that the castors already trail:
+deadbands.
+"""
+
+from __future__ import annotations
+
+import math
+
+from seater_common.geometry import Chair, Limits
+from seater_identify.drive.moves import OMEGA, Creep, Move, Pause, Travel, V
+from seater_identify.settings import DriveSettings, IdentifySettings
+
+LOW_SHARE = 1.0 / 20.0  # of the end of a slow rise, where it begins
+EDGE = 0.05  # [m] kept free between the farthest planned footprint and the area's edge
+SHORTEST = 0.5  # [m] of straight way; on less the chair never reaches a steady speed
+
+
+class AreaError(ValueError):
+    """The free area is too small for this chair."""
+
+
+def make_script(settings: IdentifySettings, chair: Chair) -> list[Move]:
+    """The drive, about a minute. Raises AreaError with the sizes that would do."""
+    way = straight_way(settings, chair)
+    drive, limits = settings.drive, chair.limits
+    forward = min(drive.v, limits.v_max)
+    backward = min(drive.v, limits.v_reverse_max)
+    turning = min(drive.omega, limits.omega_max)
+    pause = Pause(drive.pause)
+    half, turn = 0.5 * way, 2.0 * math.pi
+    moves: list[Move] = [Pause(1.5)]
+    for move in (
+        Travel(V, half, 0.6 * forward),
+        Travel(V, half, forward),
+        _creep(drive, V, 1.0, limits),
+        Travel(V, -way, backward),
+        _creep(drive, V, -1.0, limits),
+        Travel(V, way, forward),
+        Travel(V, -half, 0.6 * backward),
+        Travel(OMEGA, 0.25 * turn, 0.6 * turning),
+        _creep(drive, OMEGA, 1.0, limits),
+        Travel(OMEGA, 0.75 * turn, turning),
+        Travel(OMEGA, -0.25 * turn, 0.6 * turning),
+        _creep(drive, OMEGA, -1.0, limits),
+        Travel(OMEGA, -0.75 * turn, turning),
+        Travel(V, -half, backward),
+    ):
+        moves += [move, pause]
+    return [*moves, Pause(0.5)]
+
+
+def straight_way(settings: IdentifySettings, chair: Chair) -> float:
+    """[m] there and back that fits into the area, and whose middle leaves room to turn. Raises AreaError."""
+    area, radius = settings.area, _turning_radius(chair)
+    way = settings.drive.way
+    while way > SHORTEST and _length(chair, way) > area.length:
+        way -= 0.01
+    length, width = _length(chair, SHORTEST), 2.0 * (radius + EDGE)
+    if _length(chair, way) > area.length or area.width < width:
+        raise AreaError(
+            f"area: is {area.length} m x {area.width} m, must be at least {length + 0.005:.2f} m x "
+            f"{width + 0.005:.2f} m for a chair that needs {2.0 * radius:.2f} m to turn"
+        )
+    return way
+
+
+def origin_in_area(settings: IdentifySettings, chair: Chair) -> float:
+    """[m] of the axle ahead of the area's rear edge at the start."""
+    return _origin(chair, straight_way(settings, chair))
+
+
+def _origin(chair: Chair, way: float) -> float:
+    return EDGE + max(chair.length_rear, _turning_radius(chair) - 0.5 * way)
+
+
+def _length(chair: Chair, way: float) -> float:
+    """[m] of the area that a drive needs."""
+    return _origin(chair, way) + max(way + chair.length_front, 0.5 * way + _turning_radius(chair)) + EDGE
+
+
+def _turning_radius(chair: Chair) -> float:
+    return math.hypot(max(chair.length_front, chair.length_rear), 0.5 * chair.width)
+
+
+def _creep(drive: DriveSettings, axis: int, sign: float, limits: Limits) -> Creep:
+    high = (
+        min(drive.creep_v, limits.v_max, limits.v_reverse_max)
+        if axis == V
+        else min(drive.creep_omega, limits.omega_max)
+    )
+    moved = 0.008 if axis == V else 0.02
+    return Creep(axis, sign * LOW_SHARE * high, sign * high, drive.creep_double, moved, 0.8)

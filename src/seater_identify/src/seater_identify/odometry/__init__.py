@@ -1,0 +1,1 @@
+"""What the dock says about the odometry."""

@@ -1,0 +1,1 @@
+"""Table, figures and the copies of the configuration files."""

@@ -1,0 +1,1 @@
+"""How speed answers to commands: model and fit of one axis."""

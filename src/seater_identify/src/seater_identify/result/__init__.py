@@ -1,0 +1,1 @@
+"""All estimates of one recording, with what was not excited."""

@@ -1,0 +1,1 @@
+"""Simulated drives, with chairs whose truth is known."""

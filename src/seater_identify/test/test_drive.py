@@ -1,0 +1,84 @@
+"""The scripted drive: limits, area, and zero velocity on every exit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from seater_common.geometry import Chair, Limits
+from seater_identify.drive.driver import Driver, DriveState
+from seater_identify.drive.script import AreaError
+from seater_identify.settings import AreaSettings, IdentifySettings
+from seater_identify.trial.simulation import simulate
+from seater_sim.settings import KinematicSettings, PlantSettings, SimulatorSettings
+
+SETTINGS, CHAIR = IdentifySettings(), Chair()
+SIMULATOR = SimulatorSettings(plant=PlantSettings(kind="kinematic", kinematic=KinematicSettings()))
+
+
+def started(pose: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Driver:
+    driver = Driver(SETTINGS, CHAIR)
+    driver.odometry(0.0, pose, 0.0)
+    assert driver.start(0.0)
+    return driver
+
+
+@pytest.mark.parametrize("limits", [Limits(), Limits(v_max=0.25, v_reverse_max=0.15, omega_max=0.4, a_max=0.3)])
+def test_a_whole_drive_keeps_limits_and_area_and_ends_at_rest(limits: Limits) -> None:
+    chair = Chair(limits=limits)
+    drive = simulate(SETTINGS, chair, SIMULATOR, 1, None)
+    assert drive.state is DriveState.DONE
+    time, v, omega = drive.recording.commands.T
+    assert v.max() <= limits.v_max and v.min() >= -limits.v_reverse_max and np.abs(omega).max() <= limits.omega_max
+    assert np.abs(np.diff(v)).max() <= limits.a_max * SETTINGS.drive.period + 1e-9
+    assert np.abs(np.diff(omega)).max() <= limits.alpha_max * SETTINGS.drive.period + 1e-9
+    assert v[-1] == omega[-1] == 0.0
+    assert time[-1] < 140.0
+    corners = np.concatenate([chair.corners_at(pose) for pose in drive.truth[::10, 1:]])
+    assert np.ptp(corners[:, 0]) < SETTINGS.area.length + 0.1 and np.ptp(corners[:, 1]) < SETTINGS.area.width
+
+
+def test_nothing_moves_before_the_start_nor_without_odometry() -> None:
+    driver = Driver(SETTINGS, CHAIR)
+    assert driver.command(0.0) == (0.0, 0.0)
+    assert not driver.start(0.0) and "no odometry" in driver.text
+    driver.odometry(0.0, (0.0, 0.0, 0.0), 0.0)
+    assert not driver.start(1.0) and "no odometry" in driver.text
+
+
+def drive_on(driver: Driver, now: float, until: float) -> float:
+    """With odometry that stands still; the time."""
+    while now < until:
+        now += 0.02
+        driver.odometry(now, (0.0, 0.0, 0.0), now)
+        driver.command(now)
+    return now
+
+
+def test_old_odometry_stops_at_once() -> None:
+    driver = started()
+    now = drive_on(driver, 0.0, 4.0)
+    assert driver.command(now + 0.29) != (0.0, 0.0)
+    assert driver.command(now + 0.31) == (0.0, 0.0)
+    assert driver.state is DriveState.STOPPED and "odometry" in driver.text
+
+
+def test_leaving_the_area_stops_at_once() -> None:
+    driver = started((1.0, 2.0, 0.5))
+    now = drive_on(driver, 0.0, 0.02)
+    driver.odometry(now + 0.02, (3.5, 2.0, 0.5), now + 0.02)
+    assert driver.command(now + 0.02) == (0.0, 0.0)
+    assert driver.state is DriveState.STOPPED and "area" in driver.text
+
+
+def test_cancel_stops_at_once() -> None:
+    driver = started()
+    now = drive_on(driver, 0.0, 4.0)
+    driver.stop("cancelled")
+    assert driver.command(now + 0.02) == (0.0, 0.0)
+    assert (driver.state, driver.text) == (DriveState.STOPPED, "cancelled")
+
+
+def test_an_area_that_is_too_small_is_refused_with_the_size_that_would_do() -> None:
+    with pytest.raises(AreaError, match=r"must be at least 1\.\d\d m x 1\.74 m"):
+        Driver(IdentifySettings(area=AreaSettings(length=2.2, width=1.5)), CHAIR)
