@@ -10,6 +10,7 @@ from seater_eval.run.setup_files import Setup, load_setup
 from seater_nmpc.observe.motion import MotionObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.observe.prediction import CommandHistory
+from seater_nmpc.parameters import Prediction
 from seater_sim.chair.odometry import Odometry as WheelOdometry
 from seater_sim.chair.plant import KinematicPlant
 from seater_sim.settings import NANOSECONDS, to_ns
@@ -19,13 +20,15 @@ RUNS, SECONDS = 10, 6.0
 
 
 def errors(setup: Setup, seed: int) -> np.ndarray:
-    """(cycles, 2, 2): of the odometry's and of the observer's speeds rolled on; v [m/s], omega [rad/s]."""
-    rng, control = np.random.default_rng([seed, 13]), setup.parameters.control
-    plant = KinematicPlant(setup.simulator.plant.kinematic, setup.chair.limits, np.zeros(3))
+    """(cycles, 2, 2): of the odometry's and of the observer's speeds rolled on; v [m/s], omega [rad/s]. The chair's own
+    times are known."""
+    rng, kinematic = np.random.default_rng([seed, 13]), setup.simulator.plant.kinematic
+    told = Prediction(command_delay=kinematic.command_delay, motor_lag=kinematic.lag_v)
+    plant = KinematicPlant(kinematic, setup.chair.limits, np.zeros(3))
     wheels, period = WheelOdometry(setup.simulator.odometry, seed), to_ns(setup.simulator.odometry.period)
-    history, way, turn, rows = CommandHistory(control.prediction), 0.0, 0.0, []
+    history, way, turn, rows = CommandHistory(told), 0.0, 0.0, []
     motion, commands = MotionObserver(history, setup.parameters.observer), history.view()
-    delay = round(control.prediction.command_delay / 0.01)
+    delay = round(told.command_delay / 0.01)
     speed, swing, pending = rng.uniform(0.2, 0.5), rng.uniform(-0.5, 0.5), []
     for k in range(1, round(SECONDS / 0.01)):
         plant.step(to_ns(0.01))
