@@ -20,6 +20,7 @@ class SlowChair:
         self.pose, self.v, self.omega, self.ticks = np.array(pose, dtype=float), 0.0, 0.0, 0
         self._delay, self._decay = round(delay / STEP), math.exp(-STEP / lag) if lag > 0.0 else 0.0
         self._lag = lag
+        self.curvature = 0.0  # [rad/m] that it turns by itself
         self._way = self._turn = 0.0  # since the last measurement
         self._drives = (v or AxisDrive(), omega or AxisDrive())
         self._sent: dict[int, tuple[float, float]] = {}
@@ -36,7 +37,7 @@ class SlowChair:
             asked = (0.0, 0.0) if began is None else self._sent[began]
             means = []
             for i, speed in enumerate((self.v, self.omega)):
-                target = self._drives[i].effective(asked[i])
+                target = self._drives[i].effective(asked[i]) + (self.curvature * self.v if i == 1 else 0.0)
                 means.append(target + (speed - target) * (1.0 - self._decay) * self._lag / STEP)
                 speed = target + (speed - target) * self._decay
                 self.v, self.omega = (speed, self.omega) if i == 0 else (self.v, speed)

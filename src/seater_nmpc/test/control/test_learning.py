@@ -47,3 +47,13 @@ def test_what_is_right_stays(start) -> None:
     assert (history.drive.v, history.drive.omega) == (AxisDrive(), AxisDrive())
     assert (history.delay, history.drive.lag_v, history.drive.lag_omega) == pytest.approx((0.15, 0.2, 0.2))
     assert abs(history.drive.curvature) < 1e-4 and np.hypot(*poses[-1, :2]) < 0.003
+
+
+def test_a_chair_that_pulls_to_one_side_is_held_straight() -> None:
+    """One side weaker: 0.06 rad/m, three and a half degrees in each metre, learned on the way and asked against."""
+    chair = SlowChair((-2.5, 0.5, -0.3), 0.15, 0.2)
+    chair.curvature = 0.06
+    controller, poses = dock(chair)
+    assert controller.history.drive.curvature == pytest.approx(0.06, abs=0.01)
+    assert np.hypot(*poses[-1, :2]) < 0.003
+    assert abs(math.degrees(poses[-1, 2])) < 0.3

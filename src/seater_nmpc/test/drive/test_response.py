@@ -104,3 +104,12 @@ def test_what_says_little_counts_little() -> None:
     before = typical().delay_costs()
     gained = [np.ptp(estimator.delay_costs() - before) for estimator in (half, full)]
     assert 0.0 < gained[0] < 0.7 * gained[1]
+
+
+def test_what_is_expected_is_the_mean_over_the_time_between_two_measurements() -> None:
+    """A step to 0.4 rad/s behind a lag of 0.2 s, over its first 0.1 s: 0.4 (1 - 2 (1 - exp(-0.5)))."""
+    estimator = ResponseEstimator(AxisDrive(), 0.0, 0.2, TURNING)
+    estimator.add(0.0, 0.1, lambda start, end: 0.4, 0.4 * (1.0 - 2.0 * (1.0 - math.exp(-0.5))), weight=1.0)
+    times = estimator.delays.index(0.0), estimator.lags.index(0.2)
+    assert estimator.difference(*times) == pytest.approx(0.0, abs=1e-12)
+    assert abs(estimator.difference(times[0], times[1] + 1)) > 0.01
