@@ -105,9 +105,6 @@ def test_known_delay_and_lag_are_compensated() -> None:
     assert aware < 0.015 and blind > 3.0 * aware
 
 
-@pytest.mark.xfail(
-    reason="speeds of cycles count as means of a cycle: the lag is taken for half a cycle less", strict=True
-)
 def test_learning_does_not_unlearn_what_is_right() -> None:
     assert overshoot(Prediction(command_delay=0.2, motor_lag=0.15)) < 0.015
 

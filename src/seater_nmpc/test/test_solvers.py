@@ -15,7 +15,7 @@ from seater_nmpc.ocp.constraints.corners import best_angle
 from seater_nmpc.ocp.formulations import make_problem
 from seater_nmpc.ocp.model import augmented_step, step_curvature
 from seater_nmpc.ocp.problem import step_lengths
-from seater_nmpc.parameters import ControlParameters, IpoptParameters, RtiParameters
+from seater_nmpc.parameters import ControlParameters, IpoptParameters, RtiParameters, Weights
 from seater_nmpc.programme import WarmStart
 from seater_nmpc.solve.interface import SolveStatus
 from seater_nmpc.solve.ipopt import IpoptSolver
@@ -23,7 +23,8 @@ from seater_nmpc.solve.registry import SOLVERS, make_solver
 
 CHAIR, DOCK = Chair(), Dock()
 AREAS = dock_areas(DOCK)
-PARAMETERS = ControlParameters()
+# The solvers are judged on one programme, whatever weights the chair drives with.
+PARAMETERS = ControlParameters(weights=Weights(y=10.0, heading=0.1))
 
 
 @pytest.fixture(scope="module")

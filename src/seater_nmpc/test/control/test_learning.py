@@ -28,7 +28,7 @@ def dock(chair: SlowChair, seconds: float = 16.0):
 def test_a_slow_chair_with_deadbands_is_learned_and_docked(offset: bool) -> None:
     """Delay 0.25 s and lag 0.3 s where 0.15 s and 0.2 s are told, deadbands of 0.02 m/s and 0.05 rad/s."""
     chair = SlowChair((-2.5, 0.5, -0.3), 0.25, 0.3, AxisDrive(1.0, 0.02, offset), AxisDrive(1.0, 0.05, offset))
-    controller, poses = dock(chair)
+    controller, poses = dock(chair, 22.0)
     history = controller.history
     assert (history.delay, history.drive.lag_v) == pytest.approx((0.25, 0.28), abs=1e-6)
     assert 0.28 - 1e-6 <= history.drive.lag_omega <= 0.36 + 1e-6
@@ -46,7 +46,7 @@ def test_what_is_right_stays(start) -> None:
     history = controller.history
     assert (history.drive.v, history.drive.omega) == (AxisDrive(), AxisDrive())
     assert (history.delay, history.drive.lag_v, history.drive.lag_omega) == pytest.approx((0.15, 0.2, 0.2))
-    assert abs(history.drive.curvature) < 1e-4 and np.hypot(*poses[-1, :2]) < 0.003
+    assert abs(history.drive.curvature) < 1e-3 and np.hypot(*poses[-1, :2]) < 0.003
 
 
 def test_a_chair_that_pulls_to_one_side_is_held_straight() -> None:

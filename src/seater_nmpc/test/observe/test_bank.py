@@ -96,7 +96,6 @@ def test_a_single_outlier_chooses_no_other_filter(size: float) -> None:
         assert slip == 0.0 and error < 0.004
 
 
-@pytest.mark.xfail(reason="its evidence is still ahead at the next, right image: counts as two in a row", strict=True)
 def test_a_single_outlier_just_beyond_the_gate_chooses_no_other_filter() -> None:
     assert max(one_wrong_image(0.018, seed)[0] for seed in range(4)) == 0.0
 

@@ -30,6 +30,7 @@ Target = str | Sequence[float] | Array
 _FARTHEST = 1000.0  # [m] distance of the target at which no solver is asked: from 1e300 m fatrop does not come back
 _LONGEST_PERIOD = 0.5  # [s] between two cycles; longer is a pause
 _WAY_PER_CYCLE, _TURN_PER_CYCLE = 0.06, 0.08  # [m, rad] most that is driven from one cycle to the next
+_JUMP = (0.1, 0.2)  # [m/s, rad/s] by which speeds from poses may differ from the measured ones
 _CYCLES = 3  # in a row that are longer than configured before the controller reckons with it
 _NOISE_OF_STAMPS = 1.1  # times the configured period: not longer
 _TOO_NEAR = "an obstacle is within the stopping distance"
@@ -91,6 +92,7 @@ class DockingController:
     def reset(self) -> None:
         """Forget the plan, as at a goal's beginning: the next begins with the measured speeds, whatever was sent."""
         self._begins, self._last_stamp = True, -math.inf
+        self._last_pose: tuple[float, Array] | None = None
         self._replanner.reset()
         self.counters.consecutive_failures = 0
 
@@ -184,7 +186,7 @@ class DockingController:
             return self._fall_back(self._clock, None, "input not finite")
         self._clock = stamp
         self._measure_period(stamp)
-        self._actuation.measured(stamp, *velocity)
+        self._measured_now(stamp, np.asarray(vehicle_pose, dtype=float), velocity)
         T_dock_target = self._target(target)
         T_common_target = compose(dock_pose, T_dock_target)
         state = self._state(stamp, vehicle_pose, velocity, dock_pose, T_common_target)
@@ -216,7 +218,10 @@ class DockingController:
         return np.concatenate([relative(T_common_target, ahead), before])
 
     def measured(self, stamp: float, v: float, omega: float) -> None:
-        """Speeds [m/s, rad/s] that were measured at `stamp` [s], to learn from; those given to `command` count, too."""
+        """Mean speeds [m/s, rad/s] since the last call, measured at `stamp` [s]: to learn the chair's response from.
+
+        Without such calls those given to `command` count.
+        """
         self._actuation.measured(stamp, v, omega)
 
     def move(self, stamp: float, velocity: tuple[float, float], v: float, omega: float) -> Command:
@@ -229,6 +234,18 @@ class DockingController:
             self._begin()
         v, omega = self._actuation.send(stamp, (v, omega), velocity, self._period, True, planned=False)
         return Command(v=v, omega=omega)
+
+    def _measured_now(self, stamp: float, pose: Array, velocity: tuple[float, float]) -> None:
+        """Learn from what `command` is given: mean speeds since the last pose, or the measured ones where it jumped."""
+        before, self._last_pose = self._last_pose, (stamp, pose)
+        mean = velocity
+        if before is not None and 0.0 < stamp - before[0] <= _LONGEST_PERIOD and _near(before[1], pose):
+            x, y, turn = relative(before[1], pose)
+            way = math.copysign(math.hypot(x, y), x) / float(np.sinc(0.5 * turn / math.pi))  # from the chord to the arc
+            driven = (way / (stamp - before[0]), float(turn) / (stamp - before[0]))
+            if all(abs(d - v) <= most for d, v, most in zip(driven, velocity, _JUMP, strict=True)):
+                mean = driven
+        self._actuation.measured(stamp, *mean)
 
     def rest_pose(self, stamp: float, vehicle_pose: ArrayLike, velocity: tuple[float, float]) -> Array:
         """Where the chair comes to rest when zero is commanded now: (x, y, heading), in the frame of `vehicle_pose`.
@@ -337,3 +354,8 @@ class DockingController:
         if not self._obstacles:
             return True
         return self._braking.passes(self._acts_at, v, omega, self._obstacles, self._replanner.path)
+
+
+def _near(a: Array, b: Array) -> bool:
+    """Whether both are places on a floor, not far apart."""
+    return bool(np.max(np.abs(a)) < _FARTHEST and np.max(np.abs(b)) < _FARTHEST)

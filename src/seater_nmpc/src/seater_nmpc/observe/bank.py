@@ -32,7 +32,7 @@ class FilterBank:
         """`calibration`: covariance (3, 3) common to all images."""
         self._filters = [DockFilter(parameters, calibration, slip) for slip in SLIPS]
         self._evidence = np.zeros(len(SLIPS))
-        self._chosen, self._challenger, self._persisted = 0, 0, 0
+        self._chosen, self._persisted = 0, 0
 
     @property
     def chosen(self) -> DockFilter:
@@ -55,7 +55,7 @@ class FilterBank:
         self._evidence = (means - means.max()) * min(len(series) - 1, 1.0 / (1.0 - _FADING))
         ahead = np.flatnonzero(self._evidence >= self._evidence[0] + _LEAD)
         self._chosen = int(np.argmax(self._evidence)) if len(ahead) else 0
-        self._challenger, self._persisted = self._chosen, 0
+        self._persisted = 0
 
     def covers(self, stamp: float) -> bool:
         """Whether a measurement at `stamp` is not older than everything that is kept."""
@@ -72,15 +72,16 @@ class FilterBank:
 
     def _weigh(self, looks: list[Look | None]) -> None:
         worst = min(look.log_likelihood for look in looks if look is not None)
-        self._evidence *= _FADING
-        self._evidence += [worst if look is None else look.log_likelihood for look in looks]
+        likelihood = np.array([worst if look is None else look.log_likelihood for look in looks])
+        self._evidence = _FADING * self._evidence + likelihood
         best = int(np.argmax(self._evidence))
-        if self._evidence[best] < self._evidence[self._chosen] + _LEAD:
-            self._persisted = 0
-        else:
+        ahead = self._evidence[best] >= self._evidence[self._chosen] + _LEAD
+        if ahead and likelihood[best] > likelihood[self._chosen]:
             self._persisted += 1
-            if self._persisted >= _PERSISTENCE:
-                self._chosen, self._persisted = best, 0
+        else:
+            self._persisted = 0
+        if self._persisted >= _PERSISTENCE:
+            self._chosen, self._persisted = best, 0
         for i, single in enumerate(self._filters):
             if self._evidence[i] < self._evidence[self._chosen] - _HOPELESS:
                 single.adopt(self.chosen)

@@ -13,7 +13,7 @@ class Weights:
 
     x: float = param(1.0, "1/m^2", "stage: along the target", low=0.0)
     y: float = param(15.0, "1/m^2", "stage: across the target", low=0.0)
-    heading: float = param(1.0, "1/rad^2", "stage: heading", low=0.0)
+    heading: float = param(0.3, "1/rad^2", "stage: heading", low=0.0)
     speed: float = param(0.1, "s^2/m^2, s^2/rad^2", "stage: v^2 + omega^2", low=0.0)
     reverse: float = param(0.5, "s^2/m^2", "stage: extra on backward speed squared", low=0.0)
     acceleration: float = param(0.05, "s^4/m^2, s^4/rad^2", "stage: acceleration squared", low=0.0)

@@ -262,7 +262,7 @@ class Phases:
             return STANDING
         fresh, p = self._observer.measurements_since(self._standstill.since), self._parameters
         if len(fresh) < p.move_measurements:
-            if chair.stamp - self._standstill.since > _UNSEEN:
+            if chair.stamp - self._standstill.since > max(_UNSEEN, _UNSEEN * self._observer.image_period * 3.0):
                 self._enter(Phase.VERIFY)
             return STANDING
         self.error = inverse(standing_dock(fresh))

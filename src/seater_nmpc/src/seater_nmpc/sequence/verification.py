@@ -16,6 +16,8 @@ from seater_nmpc.sequence.correction import standing_dock
 
 Array = NDArray[np.float64]
 
+_AS_LONG = 1.6  # times what the images take that are wanted, if all are good
+
 
 class Verdict(Enum):
     """What verification says."""
@@ -49,7 +51,9 @@ class Verification:
         if self._T_odom_dock is None:
             fresh = observer.measurements_since(self._start)
             if len(fresh) < self._parameters.verify_measurements:
-                late = now - self._start > self._parameters.timeouts.verify
+                wanted = self._parameters.verify_measurements
+                patience = max(self._parameters.timeouts.verify, _AS_LONG * wanted * observer.image_period)
+                late = now - self._start > patience
                 return 0.0, Verdict.UNSEEN if late else Verdict.PENDING
             self._T_odom_dock, self._wait_since = compose(chair.pose, standing_dock(fresh)), now
         self.error = relative(self._T_odom_dock, chair.pose)
