@@ -32,7 +32,7 @@ def test_a_slow_chair_with_deadbands_is_learned_and_docked(offset: bool) -> None
     history = controller.history
     assert (history.delay, history.drive.lag_v) == pytest.approx((0.25, 0.28), abs=1e-6)
     assert 0.28 - 1e-6 <= history.drive.lag_omega <= 0.36 + 1e-6
-    assert history.drive.v == AxisDrive(1.0, 0.02, True) if offset else history.drive.v.deadband in (0.0, 0.02)
+    assert history.drive.v == AxisDrive(1.0, 0.02, True) if offset else history.drive.v.deadband <= 0.03
     assert 0.02 <= history.drive.omega.deadband <= 0.065
     assert min(clearance(CHAIR, DOCK.bay, pose) for pose in poses) > 0.03
     assert np.hypot(*poses[-1, :2]) < 0.003 and abs(math.degrees(poses[-1, 2])) < 0.6
