@@ -21,10 +21,10 @@ _SLOWLY = 0.1  # [s/s] by which delay and lags are changed
 
 
 class Actuation:
-    """Speeds in, commands out. Feed it with measured speeds."""
+    """Speeds in, commands out. Feed it with measured mean speeds."""
 
     def __init__(self, chair: Chair, history: CommandHistory, *, adapt: bool) -> None:
-        """`adapt`: learn deadbands (and write them to `history.drive`)."""
+        """`adapt`: learn deadbands, delay, lags and curvature (and write them to `history`)."""
         self._chair, self._history, self._adapt = chair, history, adapt
         self._sent, drive = history.view(), history.drive
         self._v, self._omega = Modulator(), Modulator()
@@ -47,7 +47,7 @@ class Actuation:
         self._stamp = None
 
     def measured(self, stamp: float, v: float, omega: float) -> None:
-        """Speeds [m/s, rad/s] at `stamp` [s]; not newer ones than the last are ignored."""
+        """Mean speeds [m/s, rad/s] since the last call, at `stamp` [s]; ignored unless that is newer."""
         if self._stamp is not None and stamp <= self._stamp:
             return
         before, self._stamp = self._stamp, stamp

@@ -51,7 +51,7 @@ class DockingController:
             command = controller.command(pose, velocity, dock_pose)
             velocity = (command.v, command.omega)
             pose = arc_step(pose, *velocity, period)  # here your chair drives
-        print(pose)  # at the dock, a hundredth of a millimetre away
+        print(pose)  # at the dock, some hundredths of a millimetre away
 
     Whatever comes in, the command is finite and within the chair's limits of speed and acceleration. Without a usable
     solution the last plan is followed for a short time (`fallback/max_plan_age`), then the chair brakes and stands. A

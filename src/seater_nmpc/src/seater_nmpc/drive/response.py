@@ -2,8 +2,9 @@
 
 A set of hypotheses: each a deadband of some width and kind, with some delay and lag. Each predicts the speed from the
 commands that were sent; what is measured is compared with that in short windows, by a heavy-tailed (Cauchy) measure
-since castors and bumps push the chair, too. Large steady commands say nothing: all predict the same. What is believed
-changes only when another hypothesis is ahead by a margin.
+since castors and bumps push the chair, too. Large steady commands say nothing about delay, lag or the width of a jump:
+the predictions are the same. What is believed changes only when another hypothesis is ahead by a margin. The gain is
+taken as configured.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """The chair's motion: true speeds behind the motors' lag, from the commands that were sent and the odometry's speeds.
 
-One Kalman filter per axis. Between two messages the speed follows the command that acts, as a first-order lag; what the
-motors do otherwise (ramps, load, floor) is white acceleration. The odometry's speed is a difference of wheel angles
-over one period, so it is noisy. Without a model of the motors (no lag given) the last speed is what is predicted.
+One Kalman filter per axis. Between two messages the speed follows what the motors are believed to make of the command
+that acts (deadband, gain, curvature), as a first-order lag; what they do otherwise (ramps, load, floor) is white
+acceleration. The odometry's speed is a difference of wheel angles over one period, so it is noisy. Before a command
+acts the last speed is what is predicted; with a lag of 0 each command is reached at once.
 """
 
 from __future__ import annotations

@@ -129,8 +129,8 @@ class CommandView:
     def roll(self, stamp: float, pose: ArrayLike, v: float, omega: float) -> tuple[Array, float, float]:
         """Pose, v and omega at the time when the next command acts, from a measurement at `stamp`.
 
-        The motors follow each command with a first-order lag; without lag the measured speeds hold until the first
-        command that acts.
+        The motors follow each command, as far as the deadband lets it through, with a first-order lag. The measured
+        speeds hold until the first command that acts.
         """
         return self._advance(stamp, self._history.acts_at(stamp), np.asarray(pose, dtype=float), v, omega)
 

@@ -1,8 +1,11 @@
 """The docking sequence as a state machine in message time. No ROS.
 
-    WAITING_FOR_DOCK -> APPROACH -> FINAL <-> STOPPING -> VERIFY -> done
-                           ^          |                     |
-                           +- RETRY <-+---------------------+      UNDOCKING -> done
+    WAITING_FOR_DOCK -> APPROACH -> FINAL -> STOPPING -> VERIFY -> done      UNDOCKING -> done
+                           ^          |        |         |
+                           +- RETRY <-+--------+---------+
+
+SEARCHING may follow WAITING_FOR_DOCK, CORRECTING comes between STOPPING and STOPPING, FINAL may follow WAITING_FOR_DOCK
+and RETRY at once. docs/explanation/sequence.md has them all.
 
 Every goal ends in exactly one step with a result, and the command of that step is zero at once: what the chair then
 does with its speed is limited by the safety gate, which brakes within the chair's limits.

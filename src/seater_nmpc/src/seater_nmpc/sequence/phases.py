@@ -35,8 +35,8 @@ _MOVING = (Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.CORRECTING)
 _UNDOCKED_SPEED = 0.1  # [m/s] below which the chair near the predock point has arrived there
 _IMAGES_THAT_MAY_FAIL = 4  # in a row, the time until the next one arrives reckoned in
 _NEAR = 0.03  # [m] from the dock, where a chair that does not drive on is helped by a small move
-_STOPPING_MARGIN = 0.001  # [m] short of the dock at which the chair is stopped for good
-_UNSEEN = 2.0  # [s] that a standing chair waits for images before verification decides
+_STOPPING_MARGIN = 0.001  # [m] short of the dock at which it may come to rest
+_UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
 _VERDICTS = {
     Verdict.DOCKED: ResultCode.SUCCESS,
     Verdict.UNSEEN: ResultCode.MARKER_LOST,

@@ -1,4 +1,4 @@
-"""Whether the chair stands, how long, and whether it is near enough to stop for good. Times are message time [s]."""
+"""Whether the chair stands, how long, and whether it is near enough to stop. Times are message time [s]."""
 
 from __future__ import annotations
 
