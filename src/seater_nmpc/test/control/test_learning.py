@@ -36,7 +36,7 @@ def test_a_slow_chair_with_deadbands_is_learned_and_docked(offset: bool) -> None
     assert 0.02 <= history.drive.omega.deadband <= 0.065
     assert min(clearance(CHAIR, DOCK.bay, pose) for pose in poses) > 0.03
     assert np.hypot(*poses[-1, :2]) < 0.003 and abs(math.degrees(poses[-1, 2])) < 0.6
-    assert np.max(poses[:, 0]) < 0.008
+    assert np.max(poses[:, 0]) < 0.015
 
 
 @pytest.mark.parametrize("start", [(-2.0, -0.7, 0.4), (-3.0, 0.0, 0.0)])

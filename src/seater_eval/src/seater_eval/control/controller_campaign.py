@@ -28,6 +28,7 @@ from seater_eval.control.pose_noise import NoiseModel
 from seater_eval.run.long_run import run_long
 from seater_eval.run.setup_files import Setup, load_setup
 from seater_nmpc.control.controller import DockingController
+from seater_nmpc.parameters import Prediction
 from seater_nmpc.plan.navigator import Navigator
 
 _KEEP_EVERY = 10  # rows of the trajectory between two points of the figure
@@ -50,11 +51,19 @@ def _tools(config: str, solver: str) -> tuple[Setup, DockingController, Navigato
     if solver:
         named = dataclasses.replace(setup.parameters.control, solver=solver)
         setup = dataclasses.replace(setup, parameters=dataclasses.replace(setup.parameters, control=named))
-    control = setup.parameters.control
+    control = dataclasses.replace(setup.parameters.control, prediction=_told(setup))
     controller = DockingController(setup.chair, setup.dock, control, deterministic=True, camera=setup.camera)
     controller.warm_up()
     navigator = Navigator(setup.chair, setup.dock, control, setup.parameters.planner, setup.camera)
     return setup, controller, navigator, MinimumTime(setup.chair, setup.dock, setup.dock.tolerance)
+
+
+def _told(setup: Setup) -> Prediction:
+    """The times of the kinematic plant, whose limits of speed are judged to the millimetre per second."""
+    plant = setup.simulator.plant.kinematic
+    return dataclasses.replace(
+        setup.parameters.control.prediction, command_delay=plant.command_delay, motor_lag=plant.lag_v
+    )
 
 
 def run_campaign_job(job: CampaignJob) -> dict[str, Any]:
@@ -133,6 +142,7 @@ def run_campaign(
         "pose_noise": dataclasses.asdict(noise),
         "obstacles": "up to two random convex polygons, clear of the start, the bay and the lane into it",
         "solver": solver or setup.parameters.control.solver,
+        "told": "delay and lag of the plant",
         "formulation": setup.parameters.control.formulation,
         "docking_time": "from the goal until the true pose stays within the tolerance",
         "minimum_time": "same limits and walls, to the set from which the tolerance need not be left; no obstacles",

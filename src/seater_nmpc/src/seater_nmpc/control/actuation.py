@@ -64,7 +64,7 @@ class Actuation:
             weight=planned * (1.0 if abs(v) >= _DRIVING else _ON_THE_SPOT),
         )
         self._learn(duration)
-        if abs(v) >= _DRIVING:
+        if planned and abs(v) >= _DRIVING:
             self._curvature.add(self._estimate_omega.difference(self._delay, self._lag_omega), v, duration)
             self._history.drive.curvature = self._curvature.value
 

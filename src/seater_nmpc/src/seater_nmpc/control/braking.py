@@ -30,7 +30,8 @@ class BrakingCheck:
     def __init__(self, chair: Chair, margin: float, period: float, lag: float) -> None:
         """`margin` [m] to be kept; `period` [s] for which a command holds; `lag` [s] of the motors."""
         self._corners, self._limits = chair.corners(), chair.limits
-        self._margin, self._hold = margin, period + lag
+        self._margin = margin
+        self.hold = period + lag  # [s] for which a command goes on after the next one
 
     def passes(self, pose: ArrayLike, v: float, omega: float, outlines: list[Array], path: Array | None = None) -> bool:
         """`pose` (x, y, heading): where the command begins to act. `outlines`: convex, anticlockwise, (n, 2) [m].
@@ -55,13 +56,13 @@ class BrakingCheck:
     def _arc(self, pose: ArrayLike, v: float, omega: float) -> Array:
         """Poses (n, 3) on the arc to standstill, which takes at full speed half of the time that braking takes."""
         braking = max(0.5 * abs(v) / self._limits.a_max, 0.5 * abs(omega) / self._limits.alpha_max)
-        return arc_poses(pose, v, omega, np.linspace(0.0, self._hold + braking, _POSES))
+        return arc_poses(pose, v, omega, np.linspace(0.0, self.hold + braking, _POSES))
 
     def _stretch(self, path: Array, v: float, omega: float) -> Array:
         """As much of the path (n, 3) as is driven, and turned, until the chair stands."""
         limits = self._limits
-        way = abs(v) * self._hold + 0.5 * v * v / limits.a_max
-        turn = abs(omega) * self._hold + 0.5 * omega * omega / limits.alpha_max
+        way = abs(v) * self.hold + 0.5 * v * v / limits.a_max
+        turn = abs(omega) * self.hold + 0.5 * omega * omega / limits.alpha_max
         driven = np.cumsum(np.hypot(*np.diff(path[:, :2], axis=0).T))
         turned = np.cumsum(np.abs(wrap_angles(np.diff(path[:, 2]))))
         rest = np.flatnonzero((driven >= way) & (turned >= turn))

@@ -353,6 +353,8 @@ class DockingController:
     def _stops_clear(self, v: float, omega: float) -> bool:
         if not self._obstacles:
             return True
+        drive = self.history.drive
+        self._braking.hold = self._period + max(drive.lag_v, drive.lag_omega, self.parameters.prediction.motor_lag)
         return self._braking.passes(self._acts_at, v, omega, self._obstacles, self._replanner.path)
 
 

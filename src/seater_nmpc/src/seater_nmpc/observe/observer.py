@@ -92,6 +92,7 @@ class DockObserver:
         taken = self.odometry.add(odometry)
         self.refused_odometry += not taken
         while taken and self._waiting and self._waiting[0][0] <= odometry.stamp:
+            self._since_used[Outcome.WAITING] -= 1  # from here on it counts as what becomes of it
             self.add_detections(*self._waiting.popleft())
         return taken
 

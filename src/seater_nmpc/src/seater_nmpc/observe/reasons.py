@@ -23,7 +23,7 @@ def why_unused(outcomes: Counter[Outcome], rejected: Innovation | None) -> str:
     total = sum(outcomes.values())
     if total == 0:
         return "no image came"
-    parts = [f"{count} {_TEXTS[outcome]}" for outcome, count in outcomes.most_common() if outcome in _TEXTS]
+    parts = [f"{count} {_TEXTS[outcome]}" for outcome, count in outcomes.most_common() if outcome in _TEXTS and count]
     if outcomes[Outcome.GATE]:
         parts.insert(0, f"{outcomes[Outcome.GATE]} show the dock but were rejected{_how_far(rejected)}")
     return f"of {total} images " + ", ".join(parts)

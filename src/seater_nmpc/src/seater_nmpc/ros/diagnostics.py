@@ -40,7 +40,10 @@ class Diagnostics:
             self._solve_times.append(command.solve_time)
 
     def _write(self, status: diagnostic_updater.DiagnosticStatusWrapper) -> diagnostic_updater.DiagnosticStatusWrapper:
-        if self._consecutive:
+        slowed_down = self._controller.slowed_down
+        if slowed_down:
+            status.summary(DiagnosticStatus.WARN, f"drives slowly: {slowed_down}")
+        elif self._consecutive:
             status.summary(DiagnosticStatus.WARN, f"{self._consecutive} cycles in a row without a solution")
         else:
             status.summary(DiagnosticStatus.OK, "ok")
@@ -54,4 +57,19 @@ class Diagnostics:
         for outcome, count in sorted(self._observer.counts.items()):
             status.add(f"images: {outcome.text}", str(count))
         status.add("odometry refused", str(self._observer.refused_odometry))
+        self._write_learned(status)
         return status
+
+    def _write_learned(self, status: diagnostic_updater.DiagnosticStatusWrapper) -> None:
+        """What the controller has learned of the chair, beside what is configured, and the observer of its wheels."""
+        history, estimate = self._controller.history, self._observer.estimate()
+        drive = history.drive
+        status.add("learned: command delay [s]", f"{history.delay:.3f}")
+        status.add("learned: lag, speed and turning [s]", f"{drive.lag_v:.3f} {drive.lag_omega:.3f}")
+        for name, axis, unit in (("speed", drive.v, "m/s"), ("turning", drive.omega, "rad/s")):
+            kind = "taken off every command" if axis.offset else "smaller commands do nothing"
+            status.add(f"learned: deadband of {name} [{unit}]", f"{axis.deadband:.3f} ({kind})")
+        status.add("learned: turns by itself [rad/m]", f"{drive.curvature:.3f}")
+        if estimate is not None:
+            status.add("wheels slip, 0 to 1", f"{estimate.slip:.2f}")
+            status.add("gyro bias [rad/s]", f"{estimate.drift[3]:.4f}")

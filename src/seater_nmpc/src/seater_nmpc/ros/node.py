@@ -138,7 +138,7 @@ class DockingNode:
 
     def _set_obstacles(self, now: float) -> None:
         estimate = self._core.observer.estimate()
-        dock = None if estimate is None else estimate.pose
+        dock = self._core.observer.prior if estimate is None else estimate.pose
         self._core.controller.set_obstacles(self._obstacles.now(now, self._out.odom_frame, dock))
 
     def _send(self, step: Step) -> None:

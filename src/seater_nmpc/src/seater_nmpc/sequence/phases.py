@@ -36,6 +36,7 @@ _UNDOCKED_SPEED = 0.1  # [m/s] below which the chair near the predock point has 
 _IMAGES_THAT_MAY_FAIL = 4  # in a row, the time until the next one arrives reckoned in
 _NEAR = 0.03  # [m] from the dock, where a chair that does not drive on is helped by a small move
 _STOPPING_MARGIN = 0.001  # [m] short of the dock at which it may come to rest
+_UNSEEN_IMAGES = 6  # times between two images
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
 _VERDICTS = {
     Verdict.DOCKED: ResultCode.SUCCESS,
@@ -200,11 +201,10 @@ class Phases:
             return self._wait(chair)
         assert prior is not None  # or there would be nothing to look for
         if self._search is None:
-            obstacles = self._controller.obstacles
-            self._search = Search(self._chair, self._dock, obstacles, self._observer.image_period)
+            self._search = Search(self._chair, self._dock, self._observer.image_period)
         speeds = self._speeds(chair)
         rest = relative(prior, self._controller.rest_pose(chair.stamp, chair.pose, speeds))
-        asked = self._search.speeds(chair.stamp, relative(prior, chair.pose), rest)
+        asked = self._search.speeds(chair.stamp, relative(prior, chair.pose), rest, self._controller.obstacles)
         if asked is None:
             raise GoalEnd(ResultCode.FAILED_TO_DETECT_DOCK, f"looked all round for it: {self._observer.why_unseen}")
         return self._controller.move(chair.stamp, speeds, *asked)
@@ -262,7 +262,7 @@ class Phases:
             return STANDING
         fresh, p = self._observer.measurements_since(self._standstill.since), self._parameters
         if len(fresh) < p.move_measurements:
-            if chair.stamp - self._standstill.since > max(_UNSEEN, _UNSEEN * self._observer.image_period * 3.0):
+            if chair.stamp - self._standstill.since > max(_UNSEEN, _UNSEEN_IMAGES * self._observer.image_period):
                 self._enter(Phase.VERIFY)
             return STANDING
         self.error = inverse(standing_dock(fresh))

@@ -27,6 +27,7 @@ _STEERING = 1.0  # [1/s] turning rate per angle to the place that is driven to
 _SWEEPS = (0.0, 0.6, -0.6, 1.2, -1.2)  # [rad] beside the direction of the dock, where the chair looks
 _MARGIN = 0.1  # [m] that the footprint keeps from walls and obstacles
 _VIEWPOINT = 1.3  # [m] from the mouth of the bay to the front of the chair, where markers are surely to be seen
+_NEXT, _NEXT_TURN = 0.4, 0.5  # [m, rad] that have to be clear ahead, whatever has come into the way since
 _SWEEP_STEPS = 24
 
 
@@ -42,9 +43,11 @@ class Search:
         self._now, self._pose, self._rest = 0.0, np.zeros(3), np.zeros(3)
         self._steps = self._search()
 
-    def speeds(self, now: float, pose: Array, rest: Array) -> Speeds | None:
-        """(v, omega) for this cycle at the time `now` [s]. `rest`: where the chair would come to rest."""
+    def speeds(self, now: float, pose: Array, rest: Array, obstacles: list[Array]) -> Speeds | None:
+        """(v, omega) for this cycle at the time `now` [s]. `rest`: where the chair would come to rest; `obstacles`:
+        their outlines (n, 2) as of now."""
         self._now, self._pose, self._rest = now, pose, rest
+        self._areas = [*self._walls, *obstacles]
         return next(self._steps, None)
 
     def _search(self) -> Iterator[Speeds]:
@@ -74,7 +77,7 @@ class Search:
             return
         left, before = clear, float(self._rest[2])
         left -= wrap_angle(before - float(self._pose[2]))
-        while abs(left) > _TURNED:
+        while abs(left) > _TURNED and self._turn_clear(math.copysign(min(abs(left), _NEXT_TURN), left)):
             yield 0.0, math.copysign(min(_TURN, math.sqrt(2.0 * _TURN_DECELERATION * abs(left))), left)
             left -= wrap_angle(float(self._rest[2]) - before)
             before = float(self._rest[2])
@@ -84,7 +87,8 @@ class Search:
         while True:
             away = math.dist(self._rest[:2], place)
             off = wrap_angle(self._bearing(place) - float(self._pose[2]))
-            if away <= _ARRIVED or abs(off) > 0.5 * math.pi:
+            ahead = self._pose + min(away, _NEXT) * np.array([math.cos(self._pose[2]), math.sin(self._pose[2]), 0.0])
+            if away <= _ARRIVED or abs(off) > 0.5 * math.pi or not self._clear(ahead):
                 return
             v = min(_SPEED, math.sqrt(2.0 * _DECELERATION * away)) * max(0.0, math.cos(off))
             yield v, min(max(_STEERING * off, -_TURN), _TURN)
