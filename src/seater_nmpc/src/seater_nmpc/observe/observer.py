@@ -113,7 +113,7 @@ class DockObserver:
     @property
     def image_period(self) -> float:
         """Usual time between two images [s], whatever they show; 0 before there are three."""
-        return float(np.median(np.diff(self._stamps))) if len(self._stamps) > 2 else 0.0
+        return float(np.median(np.diff(np.array(self._stamps)))) if len(self._stamps) > 2 else 0.0
 
     @property
     def why_unseen(self) -> str:

@@ -24,10 +24,17 @@ _DISTRUST, _TRUST = 0.4, 2.0  # [s] of contradiction after which the poses count
 
 
 class _Message(Protocol):
-    stamp: float
-    pose: Array
-    v: float
-    omega: float
+    @property
+    def stamp(self) -> float: ...
+
+    @property
+    def pose(self) -> Array: ...
+
+    @property
+    def v(self) -> float: ...
+
+    @property
+    def omega(self) -> float: ...
 
 
 class TwistCheck:

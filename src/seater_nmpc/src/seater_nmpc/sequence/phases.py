@@ -142,7 +142,8 @@ class Phases:
         self._standstill = Standstill(self._parameters, self.now)
         self._verification: Verification | None = None
         if phase not in (Phase.STOPPING, Phase.CORRECTING):
-            self._moves, self._fine_move = 0, None
+            self._moves = 0
+            self._fine_move: FineMove | None = None
         self._navigator.restart()
         self._search: Search | None = None
         self._observer.acquire_moving(phase is Phase.SEARCHING)

@@ -34,11 +34,10 @@ _SWEEP_STEPS = 24
 class Search:
     """Ask it for speeds in each cycle while the dock has not been found; None: it has looked everywhere."""
 
-    def __init__(self, chair: Chair, dock: Dock, obstacles: list[Array], image_period: float) -> None:
-        """`obstacles`: outlines (n, 2) in the dock's frame [m], as they are now; later ones are not looked at.
-        `image_period` [s]: usual time between two images."""
+    def __init__(self, chair: Chair, dock: Dock, image_period: float) -> None:
+        """`image_period` [s]: usual time between two images."""
         self._chair, self._dock = chair, dock
-        self._areas = [*dock.bay.outlines(), *obstacles]
+        self._areas = self._walls = dock.bay.outlines()
         self._look_time = max(_LOOK, _IMAGES * image_period)
         self._now, self._pose, self._rest = 0.0, np.zeros(3), np.zeros(3)
         self._steps = self._search()
