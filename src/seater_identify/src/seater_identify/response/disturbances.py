@@ -53,12 +53,10 @@ def disturbances(data: AxisData) -> dict[str, Callable[[Array], Array]]:
 
 def way_since_change(speed: Array, other: Array, duration: Array, unit: float) -> Array:
     """Way (n,) of this axis since the chair began to move so: since it changed its direction, or moved otherwise."""
-    result = np.empty(len(speed))
     signs = np.where(np.abs(speed) > 0.01 * unit, np.sign(speed), np.where(np.abs(other) > 0.1 * unit, 2.0, 0.0))
-    way, kind = 0.0, 2.0
-    for index, (step, now) in enumerate(zip((np.abs(speed) * duration).tolist(), signs.tolist(), strict=True)):
-        if now != 0.0 and now != kind:
-            way, kind = 0.0, now
-        way += step
-        result[index] = way
-    return result
+    moves = np.maximum.accumulate(np.where(signs != 0.0, np.arange(len(signs)), -1))  # the last one that was a motion
+    kinds = np.where(moves >= 0, signs[moves], 2.0)
+    steps = np.abs(speed) * duration
+    total = np.cumsum(steps)
+    began = np.where(kinds != np.append(2.0, kinds[:-1]), total - steps, 0.0)
+    return np.asarray(total - np.maximum.accumulate(began))

@@ -58,13 +58,15 @@ class Commands:
     def demand(self, grid: Array, model: AxisModel) -> Array:
         """The demand at the times of the grid, after deadband, delay and ramp."""
         ramp, values = model.ramp or self.assumed_ramp, active(self.values, model)
-        knots, levels = [self.times[0] - 1.0], [0.0]
-        demand, before = 0.0, self.times[0] - 1.0
-        for index, (start, value) in enumerate(zip(self.times.tolist(), values.tolist(), strict=True)):
+        changes = np.append(True, np.diff(values) != 0.0)  # most commands repeat the one before
+        times, values = self.times[changes], values[changes]
+        knots, levels = [times[0] - 1.0], [0.0]
+        demand, before = 0.0, times[0] - 1.0
+        for index, (start, value) in enumerate(zip(times.tolist(), values.tolist(), strict=True)):
             if start > before:
                 knots.append(start)
                 levels.append(demand)
-            end = self.times[index + 1] if index + 1 < len(self.times) else math.inf
+            end = times[index + 1] if index + 1 < len(times) else math.inf
             needed = abs(value - demand) / ramp
             if start + needed <= end:
                 demand = value
