@@ -26,6 +26,7 @@ from seater_nmpc.parameters import ObserverParameters
 Array = NDArray[np.float64]
 Series = Iterable[tuple[Instant, Measurement]]
 
+_KEPT = 20  # states at least, however slow the camera: verification averages some of them
 # Log density of an image that shows the dock where it is not: one in thirty, anywhere within a metre and a radian.
 _LOG_OUTLIER = math.log(0.03)
 
@@ -99,7 +100,7 @@ class DockFilter:
         for state in later:
             self._update(state.instant, state.measurement)
         oldest = chair.stamp - self._parameters.buffer_duration
-        while len(self.states) > 1 and self.states[0].instant.stamp < oldest:
+        while len(self.states) > _KEPT and self.states[0].instant.stamp < oldest:
             self.states.popleft()
         return Look(innovation, True, max(_LOG_OUTLIER, _log_likelihood(innovation)))
 
