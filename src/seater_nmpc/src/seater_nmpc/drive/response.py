@@ -20,6 +20,7 @@ from seater_nmpc.drive.axis import AxisDrive
 Array = NDArray[np.float64]
 
 _WINDOW = 0.1  # [s] over which speeds are averaged before they are compared
+_FORGETTING = 0.025  # of the evidence with each window: a slight misfit must not add up for ever
 _MARGIN = 4.0  # in log likelihood, by which another hypothesis has to be ahead
 _MOST = 25.0  # so far at most can one fall behind: what was true can change
 _PRIOR, _PRIOR_OFFSET = 1.0, 1.0  # penalties of deadbands that are not the configured one, and of offsets
@@ -115,6 +116,8 @@ class ResponseEstimator:
         self._difference = (self._measured - self._predicted) / self._time
         if self._weight > 0.0:
             residual = self._difference / self._noise
+            memory = 1.0 - self._weight * _FORGETTING
+            self._cost = self._prior + memory * (self._cost - self._prior)
             self._cost += self._weight * np.log1p(residual * residual)
             self._cost = np.minimum(self._cost - self._cost.min(), _MOST + self._prior)
             self._drive = better(self._cost.min(axis=(0, 1)), self._drive, _MARGIN)

@@ -16,7 +16,7 @@ from seater_nmpc.ocp.constraints.view import View, markers_to_keep
 from seater_nmpc.ocp.constraints.walls import HalfPlane, Walls
 
 # [m] ahead of the bay from where on its limit of speed is planned for: lag and slip are not known exactly.
-_EARLIER = 0.05
+_EARLIER = 0.03
 
 
 @dataclass(frozen=True)
