@@ -266,3 +266,11 @@ def test_pose_of_the_chair_is_reported_in_the_docks_frame(make_world) -> None:
     assert step.distance == pytest.approx(np.hypot(*world.truth[:2]), abs=0.01)
     assert step.lateral_error == pytest.approx(world.truth[1], abs=0.01) and 0.0 <= step.measurement_age < 0.1
     assert T_ODOM_DOCK[0] == 1.0
+
+
+def test_a_chair_that_gets_stuck_on_the_approach_backs_off(make_world) -> None:
+    world = start(make_world((-3.0, 0.9, 0.0)))
+    world.run(8.0, until=lambda step: step.phase is Phase.APPROACH and step.command.v > 0.1)
+    world.obeys, world.v, world.omega = False, 0.0, 0.0
+    step = world.run(6.0, until=lambda step: step.command.v < -0.05)
+    assert step.phase is Phase.APPROACH and step.command.v < -0.05

@@ -15,9 +15,6 @@ from seater_nmpc.ocp.constraints.interface import Area
 from seater_nmpc.ocp.constraints.view import View, markers_to_keep
 from seater_nmpc.ocp.constraints.walls import HalfPlane, Walls
 
-# [m] ahead of the bay from where on its limit of speed is planned for: lag and slip are not known exactly.
-_EARLIER = 0.03
-
 
 @dataclass(frozen=True)
 class Areas:
@@ -51,6 +48,6 @@ def dock_areas(dock: Dock, mount: CameraMount | None = None, camera: CameraModel
     return Areas(
         Walls((HalfPlane(0.0, bay.back_wall_x),)),
         side_wall_corners(bay),
-        BayEntrance(HalfPlane(0.0, bay.entrance_x - _EARLIER)),
+        BayEntrance(HalfPlane(0.0, bay.entrance_x)),
         markers_to_keep(dock, mount, camera),
     )

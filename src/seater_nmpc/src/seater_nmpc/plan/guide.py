@@ -17,7 +17,7 @@ _WINDOW = 1.0  # [m] how far ahead along the way the chair's place on it is look
 # A chair that moves less than this (turns reckoned in) during so many calls [control cycles] stands. Next to a wall the
 # controller's plan may put off a small correction sideways for ever: 13 cm short of a turning point were seen.
 _STANDING_WAY, _STANDING_CALLS = 0.02, 40
-_NEAR_ENOUGH = 0.4  # [m] from the turning point, turns reckoned in: there a standing chair may turn round
+_NEAR_ENOUGH = 0.75  # [m] from the turning point, turns reckoned in: there a standing chair may turn round
 
 
 class Guide:

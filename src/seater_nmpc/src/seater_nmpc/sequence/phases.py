@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.geometry import Chair, Dock
-from seater_common.se2 import inverse, relative
+from seater_common.se2 import compose, inverse, relative
 from seater_nmpc.control.command import Command
 from seater_nmpc.control.controller import DockingController, Target
 from seater_nmpc.observe.motion import MotionObserver
@@ -35,6 +35,7 @@ _MOVING = (Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.CORRECTING)
 _UNDOCKED_SPEED = 0.1  # [m/s] below which the chair near the predock point has arrived there
 _IMAGES_THAT_MAY_FAIL = 4  # in a row, the time until the next one arrives reckoned in
 _NEAR = 0.03  # [m] from the dock, where a chair that does not drive on is helped by a small move
+_BACK_OFF, _BACK_OFF_TIME = 0.6, 8.0  # [m, s] that the chair backs off where it got stuck
 _STOPPING_MARGIN = 0.001  # [m] short of the dock at which it may come to rest
 _UNSEEN_IMAGES = 6  # times between two images
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
@@ -146,6 +147,8 @@ class Phases:
             self._fine_move: FineMove | None = None
         self._navigator.restart()
         self._search: Search | None = None
+        self._back_off: Array | None = None  # where the chair backs off to
+        self._back_off_until = 0.0
         self._observer.acquire_moving(phase is Phase.SEARCHING)
         if phase in (Phase.WAITING_FOR_DOCK, Phase.VERIFY, Phase.UNDOCKING):
             self._controller.reset()
@@ -218,7 +221,18 @@ class Phases:
         return self._go(chair, error)
 
     def _go(self, chair: Instant, error: Array) -> Command:
-        """Along the planned way; where none is found, straight for the predock point unless the bay is blocked."""
+        """Along the planned way; where none is found, straight for the predock point unless the bay is blocked.
+
+        Where the optimisation sees no way on from (a corner of a wall close ahead), the chair backs off and plans anew.
+        """
+        if self._back_off is None and self._standstill.stalled(chair.stamp, self._measured(chair)):
+            self._back_off = compose(error, [-_BACK_OFF, 0.0, 0.0])
+            self._back_off_until = chair.stamp + _BACK_OFF_TIME
+        if self._back_off is not None:
+            far = math.dist(error[:2], self._back_off[:2]) > self._parameters.predock_position
+            if far and chair.stamp < self._back_off_until:
+                return self._drive(chair, self._back_off)
+            self._enter_anew()
         target, self.no_way = self._navigator.target(error), ""
         if target is not None:
             return self._drive(chair, target)
@@ -227,6 +241,12 @@ class Phases:
             self.no_way = self._navigator.reason or "obstacles leave no way into the bay"
             return replace(STANDING, text=self.no_way)
         return self._drive(chair, "predock")
+
+    def _enter_anew(self) -> None:
+        """Plan and count standing anew, in the same phase and with the time that it has left."""
+        self._back_off = None
+        self._standstill = Standstill(self._parameters, self.now)
+        self._navigator.restart()
 
     def _way_in(self, error: Array) -> bool:
         """Whether the rest is a matter of driving straight in."""
