@@ -140,18 +140,22 @@ class Phases:
     def _enter(self, phase: Phase) -> None:
         self.phase = phase
         self.deadlines.enter(self.now)
-        self._standstill = Standstill(self._parameters, self.now)
+        self._plan_anew()
         self._verification: Verification | None = None
         if phase not in (Phase.STOPPING, Phase.CORRECTING):
             self._moves = 0
             self._fine_move: FineMove | None = None
-        self._navigator.restart()
         self._search: Search | None = None
-        self._back_off: Array | None = None  # where the chair backs off to
-        self._back_off_until = 0.0
         self._observer.acquire_moving(phase is Phase.SEARCHING)
         if phase in (Phase.WAITING_FOR_DOCK, Phase.VERIFY, Phase.UNDOCKING):
             self._controller.reset()
+
+    def _plan_anew(self) -> None:
+        """Plan and count standing anew."""
+        self._back_off: Array | None = None  # where the chair backs off to
+        self._back_off_until = 0.0
+        self._standstill = Standstill(self._parameters, self.now)
+        self._navigator.restart()
 
     def _look(self, chair: Instant) -> Array:
         """The chair in the dock's frame (3,), after making sure that the dock is known well enough to move."""
@@ -232,7 +236,7 @@ class Phases:
             far = math.dist(error[:2], self._back_off[:2]) > self._parameters.predock_position
             if far and chair.stamp < self._back_off_until:
                 return self._drive(chair, self._back_off)
-            self._enter_anew()
+            self._plan_anew()
         target, self.no_way = self._navigator.target(error), ""
         if target is not None:
             return self._drive(chair, target)
@@ -241,12 +245,6 @@ class Phases:
             self.no_way = self._navigator.reason or "obstacles leave no way into the bay"
             return replace(STANDING, text=self.no_way)
         return self._drive(chair, "predock")
-
-    def _enter_anew(self) -> None:
-        """Plan and count standing anew, in the same phase and with the time that it has left."""
-        self._back_off = None
-        self._standstill = Standstill(self._parameters, self.now)
-        self._navigator.restart()
 
     def _way_in(self, error: Array) -> bool:
         """Whether the rest is a matter of driving straight in."""
@@ -261,8 +259,9 @@ class Phases:
         if rest[0] >= -self._stopping_margin(speeds) or self._standstill.in_place(chair.stamp, rest):
             self._enter(Phase.STOPPING)
             return STANDING
-        if self._standstill.stalled(chair.stamp, self._measured(chair), near=bool(abs(error[0]) <= _NEAR)):
-            if abs(error[0]) <= _NEAR:
+        near = bool(abs(error[0]) <= _NEAR)
+        if self._standstill.stalled(chair.stamp, self._measured(chair), near=near):
+            if near:
                 self._enter(Phase.STOPPING)
                 return STANDING
             return self._try_again(chair, ResultCode.NOT_WITHIN_TOLERANCE, "stands short of the dock")

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 import seater_perception as sp
 import seater_safety
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair
 from seater_common.params import ParameterError
 from seater_eval.campaign.setup.configuration import Configuration
 from seater_nmpc.observe.measurement import Hypothesis
-from seater_sim.camera.camera_model import CameraModel
 
 Image = NDArray[np.uint8]
 

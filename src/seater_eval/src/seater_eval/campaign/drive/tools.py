@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_eval.baselines.minimum_time import MinimumTime
 from seater_eval.campaign.setup.configuration import Configuration
@@ -12,7 +13,6 @@ from seater_nmpc.control.controller import DockingController
 from seater_nmpc.parameters import NmpcParameters
 from seater_nmpc.plan.navigator import Navigator
 from seater_sim.camera.camera import Camera
-from seater_sim.camera.camera_model import CameraModel
 
 T = TypeVar("T")
 

@@ -9,12 +9,12 @@ from typing import Any
 
 import yaml
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError, load
 from seater_eval.campaign.setup.campaign_file import Start
 from seater_eval.campaign.setup.changes import merged
 from seater_nmpc.parameters import NmpcParameters
-from seater_sim.camera.camera_model import CameraModel
 from seater_sim.settings import SimulatorSettings
 
 _DEFAULTS = {
