@@ -274,3 +274,14 @@ def test_a_chair_that_gets_stuck_on_the_approach_backs_off(make_world) -> None:
     world.obeys, world.v, world.omega = False, 0.0, 0.0
     step = world.run(6.0, until=lambda step: step.command.v < -0.05)
     assert step.phase is Phase.APPROACH and step.command.v < -0.05
+
+
+def test_a_dock_that_is_seen_from_beside_is_driven_round_to_first(make_world) -> None:
+    """An outer marker tells where the dock is, the side wall hides the one by which the chair drives in."""
+    world = start(make_world((-0.75, 1.25, -60.0)))
+    world.run(1.0, until=lambda step: step.phase is Phase.SEARCHING)
+    world.run(60.0, until=lambda step: step.phase is Phase.APPROACH)
+    assert "SEARCHING" in world.phases and world.phases[-1] == "APPROACH"
+    assert world.truth[0] < -1.05  # was beside the bay, at -0.75
+    ended(world, world.run(60.0), ResultCode.SUCCESS)
+    assert world.smallest_clearance > 0.02

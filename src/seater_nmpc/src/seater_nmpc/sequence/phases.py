@@ -18,6 +18,7 @@ from seater_nmpc.observe.observer import DockEstimate, DockObserver
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import SequenceParameters
 from seater_nmpc.plan.corridor import Corridor, straight_in
+from seater_nmpc.plan.front import Front
 from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.sequence.correction import Verdict as Correction
 from seater_nmpc.sequence.correction import judge, standing_dock
@@ -36,6 +37,7 @@ _UNDOCKED_SPEED = 0.1  # [m/s] below which the chair near the predock point has 
 _IMAGES_THAT_MAY_FAIL = 4  # in a row, the time until the next one arrives reckoned in
 _NEAR = 0.03  # [m] from the dock, where a chair that does not drive on is helped by a small move
 _BACK_OFF, _BACK_OFF_TIME = 0.6, 8.0  # [m, s] that the chair backs off where it got stuck
+_WELL_IN_FRONT = 0.3  # [m] nearer to the bay, the markers would still be seen by a chair that has driven round
 _STOPPING_MARGIN = 0.001  # [m] short of the dock at which it may come to rest
 _UNSEEN_IMAGES = 6  # times between two images
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
@@ -74,7 +76,7 @@ class Phases:
         self._chair, self._dock, self._controller, self._observer = chair, dock, controller, observer
         self._motion, self._navigator, self._parameters = motion, navigator, parameters
         self._require_contact = require_contact
-        self._corridor = Corridor(chair, dock, parameters)
+        self._corridor, self._front = Corridor(chair, dock, parameters), Front(chair, dock)
         self._handlers: dict[Phase, Callable[[Instant], Command]] = {
             Phase.WAITING_FOR_DOCK: self._wait,
             Phase.SEARCHING: self._find,
@@ -97,7 +99,9 @@ class Phases:
         self.T_odom_dock: Array | None = None
         self._controller.history.clear()  # whoever drove until now did not say
         self.no_way = ""  # why there is no way into the bay
+        self._rough: Array | None = self._observer.prior  # the dock in odom, where it is looked for
         self._blind_since: float | None = None
+        self._went_round = False  # to the front of the bay, as far as the way is clear
         self._controller.set_speed_limit()
         self._enter(phase)
 
@@ -187,10 +191,9 @@ class Phases:
         return speeds if estimate is None else estimate.true_speeds(*speeds)
 
     def _wait(self, chair: Instant) -> Command:
-        estimate = self._observer.estimate(chair.stamp)
-        if estimate is None or self.blind(estimate):
+        if not self._in_view(chair):
             waited = self.now - self.deadlines.entered
-            if self._observer.prior is not None and waited >= self._parameters.search_after:
+            if self._rough is not None and waited >= self._parameters.search_after:
                 self._enter(Phase.SEARCHING)
                 return self._find(chair)
             return STANDING
@@ -199,23 +202,40 @@ class Phases:
             raise GoalEnd(ResultCode.DOCK_NOT_VALID, f"the dock is {math.hypot(error[0], error[1]):.1f} m away")
         if within(error, self._dock.tolerance) and (self.contact or not self._require_contact):
             raise GoalEnd(ResultCode.ALREADY_DOCKED, "already docked")
+        if self._front.hidden(error) and not self._went_round:
+            self._enter(Phase.SEARCHING)
+            return self._find(chair)
         self._enter(Phase.FINAL if self._way_in(error) else Phase.APPROACH)
         return self._handlers[self.phase](chair)
 
     def _find(self, chair: Instant) -> Command:
-        """Look for the dock by the rough pose; as soon as it is found, go on as if it had been in view."""
-        estimate, prior = self._observer.estimate(chair.stamp), self._observer.prior
-        if estimate is not None and not self.blind(estimate):
+        """Look for the dock by the rough pose; as soon as it is found, go on as if it had been in view.
+
+        Where it is seen from beside the bay only, drive round to the front first.
+        """
+        known = self._in_view(chair)
+        if known and not self._front.hidden(self._look(chair) + [_WELL_IN_FRONT, 0.0, 0.0]):
             return self._wait(chair)
-        assert prior is not None  # or there would be nothing to look for
+        self._rough = self.T_odom_dock if known else self._rough
+        assert self._rough is not None  # or there would be nothing to look for
+        here = relative(self._rough, chair.pose)
         if self._search is None:
-            self._search = Search(self._chair, self._dock, self._observer.image_period)
+            hidden = self._front.hidden(here)
+            self._search = Search(self._chair, self._dock, self._observer.image_period, known=known, hidden=hidden)
         speeds = self._speeds(chair)
-        rest = relative(prior, self._controller.rest_pose(chair.stamp, chair.pose, speeds))
-        asked = self._search.speeds(chair.stamp, relative(prior, chair.pose), rest, self._controller.obstacles)
-        if asked is None:
+        rest = relative(self._rough, self._controller.rest_pose(chair.stamp, chair.pose, speeds))
+        asked = self._search.speeds(chair.stamp, here, rest, self._controller.obstacles)
+        if asked is not None:
+            return self._controller.move(chair.stamp, speeds, *asked)
+        if not known:
             raise GoalEnd(ResultCode.FAILED_TO_DETECT_DOCK, f"looked all round for it: {self._observer.why_unseen}")
-        return self._controller.move(chair.stamp, speeds, *asked)
+        self._went_round = True  # as far as it could
+        return self._wait(chair)
+
+    def _in_view(self, chair: Instant) -> bool:
+        """Whether the dock is known and has been seen not too long ago."""
+        estimate = self._observer.estimate(chair.stamp)
+        return estimate is not None and not self.blind(estimate)
 
     def _approach(self, chair: Instant) -> Command:
         error = self._look(chair)
@@ -229,7 +249,8 @@ class Phases:
 
         Where the optimisation sees no way on from (a corner of a wall close ahead), the chair backs off and plans anew.
         """
-        if self._back_off is None and self._standstill.stalled(chair.stamp, self._measured(chair)):
+        stalled = self._standstill.stalled(chair.stamp, self._measured(chair))
+        if self._back_off is None and (self._standstill.stuck(chair.stamp, error) or stalled):
             self._back_off = compose(error, [-_BACK_OFF, 0.0, 0.0])
             self._back_off_until = chair.stamp + _BACK_OFF_TIME
         if self._back_off is not None:

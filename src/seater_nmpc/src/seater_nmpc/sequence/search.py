@@ -7,7 +7,7 @@ while standing. Poses are (x, y, heading) of base_link in the frame of the dock 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,12 +34,16 @@ _SWEEP_STEPS = 24
 class Search:
     """Ask it for speeds in each cycle while the dock has not been found; None: it has looked everywhere."""
 
-    def __init__(self, chair: Chair, dock: Dock, image_period: float) -> None:
-        """`image_period` [s]: usual time between two images."""
+    def __init__(
+        self, chair: Chair, dock: Dock, image_period: float, *, known: bool = False, hidden: bool = False
+    ) -> None:
+        """`image_period` [s]: usual time between two images. `known`: the pose is not rough, the chair only has to get
+        to the front. `hidden`: by that pose, the markers cannot be seen from where the chair stands."""
         self._chair, self._dock = chair, dock
         self._areas = self._walls = dock.bay.outlines()
         self._look_time = max(_LOOK, _IMAGES * image_period)
         self._now, self._pose, self._rest = 0.0, np.zeros(3), np.zeros(3)
+        self._first_sweeps = () if known else _SWEEPS[:1] if hidden else _SWEEPS
         self._steps = self._search()
 
     def speeds(self, now: float, pose: Array, rest: Array, obstacles: list[Array]) -> Speeds | None:
@@ -50,18 +54,20 @@ class Search:
         return next(self._steps, None)
 
     def _search(self) -> Iterator[Speeds]:
-        yield from self._look_around()
+        yield from self._look_around(self._first_sweeps)
         bay = self._dock.bay
         viewpoint = np.array([bay.entrance_x - self._chair.length_front - _VIEWPOINT, 0.0])
         if math.dist(self._pose[:2], viewpoint) > 2.0 * _ARRIVED and self._way_clear(viewpoint):
             yield from self._turn(self._bearing(viewpoint))
             yield from self._drive(viewpoint)
-            yield from self._look_around()
+            yield from self._look_around(_SWEEPS)
+        elif self._first_sweeps != _SWEEPS:
+            yield from self._look_around(_SWEEPS)
 
-    def _look_around(self) -> Iterator[Speeds]:
+    def _look_around(self, sweeps: Sequence[float]) -> Iterator[Speeds]:
         middle = np.mean([marker.position[:2] for marker in self._dock.markers], axis=0)
         towards = self._bearing(middle) - self._chair.camera.yaw
-        for aside in _SWEEPS:
+        for aside in sweeps:
             yield from self._turn(towards + aside)
             since = self._now
             while self._now - since < self._look_time:

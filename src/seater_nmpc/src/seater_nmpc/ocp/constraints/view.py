@@ -71,6 +71,15 @@ def markers_to_keep(dock: Dock, mount: CameraMount | None = None, camera: Camera
     Side walls hide an outer marker from half of all ways into the bay, and then it is of no use in the image. With a
     mount given, only those count that the docked chair sees, where it sees any: no other can be kept to the end.
     """
+    chosen = kept_markers(dock, mount, camera)
+    ends = [marker_edges(dock, index) for index in chosen]
+    left = max((right for _, right in ends), key=lambda end: float(end[1]))
+    right = min((left for left, _ in ends), key=lambda end: float(end[1]))
+    return View(_point(left), _point(right), camera)
+
+
+def kept_markers(dock: Dock, mount: CameraMount | None = None, camera: CameraModel | None = None) -> list[int]:
+    """Indices of the markers that `markers_to_keep` means."""
     chosen = list(range(len(dock.markers)))
     if dock.bay.side_wall_length > 0.0:
         if mount is not None:
@@ -78,10 +87,7 @@ def markers_to_keep(dock: Dock, mount: CameraMount | None = None, camera: Camera
             chosen = np.flatnonzero(seen).tolist() or chosen
         off_axis = [abs(dock.markers[index].position[1]) for index in chosen]
         chosen = [i for i, off in zip(chosen, off_axis, strict=True) if off <= min(off_axis) + _SAME_PLACE]
-    ends = [marker_edges(dock, index) for index in chosen]
-    left = max((right for _, right in ends), key=lambda end: float(end[1]))
-    right = min((left for left, _ in ends), key=lambda end: float(end[1]))
-    return View(_point(left), _point(right), camera)
+    return chosen
 
 
 def _point(end: Array) -> Point:
