@@ -3,7 +3,17 @@ import math
 import numpy as np
 import pytest
 
-from seater_common.se2 import arc_poses, arc_step, compose, inverse, relative, transform_points, wrap_angle, wrap_angles
+from seater_common.se2 import (
+    arc_length,
+    arc_poses,
+    arc_step,
+    compose,
+    inverse,
+    relative,
+    transform_points,
+    wrap_angle,
+    wrap_angles,
+)
 
 
 @pytest.mark.parametrize(("angle", "wrapped"), [(0.0, 0.0), (4.0, 4.0 - 2 * math.pi), (-7.0, 2 * math.pi - 7.0)])
@@ -36,6 +46,13 @@ def test_arc_poses_are_those_of_arc_step(omega: float) -> None:
     durations = np.linspace(0.0, 7.0, 5)
     one_by_one = [arc_step([1, 2, 0.5], 0.4, omega, duration) for duration in durations]
     np.testing.assert_allclose(arc_poses([1, 2, 0.5], 0.4, omega, durations), one_by_one, atol=1e-14)
+
+
+@pytest.mark.parametrize("way", [0.3, -0.3])
+@pytest.mark.parametrize("omega", [0.0, 1e-12, -2.0])
+def test_arc_length_is_the_way_driven(way: float, omega: float) -> None:
+    x, y, turn = arc_step([0, 0, 0], way, omega, 1.0).tolist()
+    assert arc_length(x, y, turn) == pytest.approx(way, abs=1e-15)
 
 
 def test_arc_step_is_smooth_through_straight() -> None:

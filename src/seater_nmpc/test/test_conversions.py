@@ -16,7 +16,7 @@ STAMP = rospy.Time(7, 500000000)
 
 def test_an_innovation_with_its_standard_deviations_and_gate_ratio() -> None:
     innovation = Innovation(
-        value=np.array([0.03, -0.02, 0.01]), covariance=np.diag([1e-4, 4e-4, 9e-4]), nis=8.15, gate=16.3
+        value=np.array([0.03, -0.02, 0.01]), covariance=np.diag([1e-4, 4e-4, 9e-4]), nis=8.15, gate=16.3, log_det=-24.0
     )
     message = conversions.innovation(STAMP, "odom", Fusion(outcome=Outcome.FUSED, innovation=innovation))
     assert message.header.stamp == STAMP and message.header.frame_id == "odom"

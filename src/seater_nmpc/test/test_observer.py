@@ -250,3 +250,24 @@ def test_two_poses_that_both_agree_are_told_apart_by_all_weights_together() -> N
             break
     assert outcomes[4] is Outcome.ACQUIRING and outcomes[-1] is Outcome.ACQUIRED
     assert observer.estimate().pose == pytest.approx(T_ODOM_DOCK, abs=1e-6)
+
+
+def test_what_is_asked_again_is_answered_anew_when_something_came() -> None:
+    """Estimates and instants are kept for those who ask again in the same cycle."""
+    observer = acquired()
+    ahead = observer.odometry.at(1.05)
+    assert observer.odometry.at(1.05) is ahead
+    first = observer.estimate(1.0)
+    assert observer.estimate(1.0) is first
+    observer.add_detections(1.0, [observation(CHAIR, inverse([-2.001, 0.0, 0.0]))])
+    fused = observer.estimate(1.0)
+    assert fused.age == 0.0 < first.age and fused.pose[0] > first.pose[0]
+    drive(observer, np.array([-2.0, 0.0, 0.0]), 0.5, 0.0, 1.0, 0.05)
+    assert observer.odometry.at(1.05).pose != pytest.approx(ahead.pose)
+    assert observer.estimate(1.05).blind_distance == pytest.approx(0.025)
+
+
+def test_true_speeds_are_those_of_the_odometry_less_its_errors() -> None:
+    assert DockObserver(CHAIR.camera).true_speeds(0.2, 0.1) == (0.2, 0.1)
+    scaled = acquired(parameters=ObserverParameters(odometry_scale=0.25, odometry_heading_scale=-0.2))
+    assert scaled.true_speeds(0.25, 0.08, 1.0) == pytest.approx((0.2, 0.1), abs=1e-6)

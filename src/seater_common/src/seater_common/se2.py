@@ -27,15 +27,15 @@ def wrap_angles(angles: ArrayLike) -> Array:
 
 def compose(T_a_b: ArrayLike, T_b_c: ArrayLike) -> Array:
     """T_a_c, shape (3,)."""
-    x, y, heading = np.asarray(T_a_b, dtype=float)
-    bx, by, b_heading = np.asarray(T_b_c, dtype=float)
+    x, y, heading = np.asarray(T_a_b, dtype=float).tolist()
+    bx, by, b_heading = np.asarray(T_b_c, dtype=float).tolist()
     c, s = math.cos(heading), math.sin(heading)
     return np.array([x + c * bx - s * by, y + s * bx + c * by, wrap_angle(heading + b_heading)])
 
 
 def inverse(T_a_b: ArrayLike) -> Array:
     """T_b_a, shape (3,)."""
-    x, y, heading = np.asarray(T_a_b, dtype=float)
+    x, y, heading = np.asarray(T_a_b, dtype=float).tolist()
     c, s = math.cos(heading), math.sin(heading)
     return np.array([-c * x - s * y, s * x - c * y, wrap_angle(-heading)])
 
@@ -47,7 +47,7 @@ def relative(T_a_b: ArrayLike, T_a_c: ArrayLike) -> Array:
 
 def transform_points(T_a_b: ArrayLike, points_b: ArrayLike) -> Array:
     """Points of shape (n, 2), given in b, in a."""
-    x, y, heading = np.asarray(T_a_b, dtype=float)
+    x, y, heading = np.asarray(T_a_b, dtype=float).tolist()
     c, s = math.cos(heading), math.sin(heading)
     rotation = np.array([[c, -s], [s, c]])
     return np.asarray(points_b, dtype=float) @ rotation.T + np.array([x, y])
@@ -55,13 +55,20 @@ def transform_points(T_a_b: ArrayLike, points_b: ArrayLike) -> Array:
 
 def arc_step(pose: ArrayLike, v: float, omega: float, duration: float) -> Array:
     """Pose after driving with constant v [m/s] and omega [rad/s] for duration [s], exactly: an arc of a circle."""
-    x, y, heading = np.asarray(pose, dtype=float)
+    x, y, heading = np.asarray(pose, dtype=float).tolist()
     half = 0.5 * omega * duration
     chord = v * duration * (math.sin(half) / half if half != 0.0 else 1.0)
     direction = heading + half
     return np.array(
         [x + chord * math.cos(direction), y + chord * math.sin(direction), wrap_angle(heading + 2.0 * half)]
     )
+
+
+def arc_length(x: float, y: float, turn: float) -> float:
+    """Way [m] along the arc of a circle from the origin, heading along x, to (x, y), turning by `turn` [rad] on it;
+    negative where x is."""
+    half = 0.5 * turn
+    return math.copysign(math.hypot(x, y), x) * (half / math.sin(half) if half != 0.0 else 1.0)
 
 
 def arc_poses(pose: ArrayLike, v: float, omega: float, durations: Array) -> Array:

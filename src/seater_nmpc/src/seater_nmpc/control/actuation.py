@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 from seater_common.geometry import Chair
@@ -54,12 +55,12 @@ class Actuation:
         if before is None or not self._adapt:
             return
         duration, planned = stamp - before, stamp - self._planned <= self._history.delay + _RESPONSE
-        sent, curvature = self._sent, self._history.drive.curvature
-        self._estimate_v.add(before, stamp, lambda start, end: sent.mean(start, end)[0], v, weight=float(planned))
+        mean, curvature = functools.cache(self._sent.mean), self._history.drive.curvature  # both axes ask for the same
+        self._estimate_v.add(before, stamp, lambda start, end: mean(start, end)[0], v, weight=float(planned))
         self._estimate_omega.add(
             before,
             stamp,
-            lambda start, end: sent.mean(start, end)[1],
+            lambda start, end: mean(start, end)[1],
             omega - curvature * v,
             weight=planned * (1.0 if abs(v) >= _DRIVING else _ON_THE_SPOT),
         )

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
-from seater_common.se2 import compose, relative
+from seater_common.se2 import arc_length, compose, relative
 from seater_common.separation import convex_outline
 from seater_nmpc.control.actuation import Actuation
 from seater_nmpc.control.braking import BrakingCheck, braked, curvature_at
@@ -240,9 +240,8 @@ class DockingController:
         before, self._last_pose = self._last_pose, (stamp, pose)
         mean = velocity
         if before is not None and 0.0 < stamp - before[0] <= _LONGEST_PERIOD and _near(before[1], pose):
-            x, y, turn = relative(before[1], pose)
-            way = math.copysign(math.hypot(x, y), x) / float(np.sinc(0.5 * turn / math.pi))  # from the chord to the arc
-            driven = (way / (stamp - before[0]), float(turn) / (stamp - before[0]))
+            x, y, turn = relative(before[1], pose).tolist()
+            driven = (arc_length(x, y, turn) / (stamp - before[0]), turn / (stamp - before[0]))
             if all(abs(d - v) <= most for d, v, most in zip(driven, velocity, _JUMP, strict=True)):
                 mean = driven
         self._actuation.measured(stamp, *mean)

@@ -28,32 +28,41 @@ Array = NDArray[np.float64]
 SIZE = 7  # of the state: dock in odom x, y [m], heading [rad]; e_s [-], e_t [-], e_d [rad/m], b [rad/s]
 
 
-def initial_errors(p: ObserverParameters, slip: float) -> tuple[Array, Array]:
-    """Mean (4,) and covariance (4, 4) of (e_s, e_t, e_d, b) before anything was measured."""
-    mean = np.array([p.odometry_scale, p.odometry_heading_scale, p.odometry_heading_drift, 0.0])
-    sd = np.array([p.scale_sd, p.heading_scale_sd, p.heading_drift_sd, 0.0])
-    slipping = slip * np.array([p.slip_walk, p.slip_walk, p.slip_walk_turn, p.gyro_bias_sd])
-    return mean, np.diag(sd**2 + slipping**2)
+_I = np.eye(SIZE)
 
 
-def transition(dock: Array, last: Instant, now: Instant, p: ObserverParameters, slip: float) -> tuple[Array, Array]:
-    """F and Q, (7, 7), of the state from `last` to `now`; `dock` (3,): its place at `last`."""
-    A = np.array([[-dock[1], 0.0, 1.0], [dock[0], -1.0, 0.0], [1.0, 0.0, 0.0]])
-    travel = now.travel.plus(last.travel, -1.0)
-    F, Q = np.eye(SIZE), np.zeros((SIZE, SIZE))
-    F[:2, 3] = now.pose[:2] - last.pose[:2]
-    F[:3, 4] = A @ travel.turn
-    F[:3, 5] = A @ travel.way
-    F[:3, 6] = A @ travel.by_time
-    square = slip * slip
-    Q[:2, :2] = (p.distance_noise**2 + square * p.slip_distance_noise**2) * travel.along
-    by_way = p.heading_noise**2 + square * p.slip_heading_noise**2
-    by_turn = p.turn_noise**2 + square * p.slip_turn_noise**2
-    Q[:3, :3] += A @ (by_way * travel.by_way + by_turn * travel.by_turn) @ A.T
-    way, turn = travel.by_way[0, 0], travel.by_turn[0, 0]
-    Q[3, 3] = square * p.slip_walk**2 * way
-    Q[4, 4] = square * p.slip_walk**2 * turn
-    Q[5, 5] = square * p.slip_walk_turn**2 * way
-    if now.stamp < last.stamp:
-        Q = -Q  # backward in time the sums are negative; uncertainty grows all the same
-    return F, Q
+class Drift:
+    """The model for one assumption about the slip."""
+
+    def __init__(self, parameters: ObserverParameters, slip: float) -> None:
+        p, square = parameters, slip * slip
+        self.slip = slip
+        self._p = p
+        self._along = p.distance_noise**2 + square * p.slip_distance_noise**2
+        self._by_way = p.heading_noise**2 + square * p.slip_heading_noise**2
+        self._by_turn = p.turn_noise**2 + square * p.slip_turn_noise**2
+        self._walk, self._walk_turn = square * p.slip_walk**2, square * p.slip_walk_turn**2
+
+    def initial_errors(self) -> tuple[Array, Array]:
+        """Mean (4,) and covariance (4, 4) of (e_s, e_t, e_d, b) before anything was measured."""
+        p = self._p
+        mean = np.array([p.odometry_scale, p.odometry_heading_scale, p.odometry_heading_drift, 0.0])
+        sd = np.array([p.scale_sd, p.heading_scale_sd, p.heading_drift_sd, 0.0])
+        slipping = self.slip * np.array([p.slip_walk, p.slip_walk, p.slip_walk_turn, p.gyro_bias_sd])
+        return mean, np.diag(sd**2 + slipping**2)
+
+    def transition(self, dock: Array, last: Instant, now: Instant) -> tuple[Array, Array]:
+        """F and Q, (7, 7), of the state from `last` to `now`; `dock` (3,): its place at `last`."""
+        x, y = dock[0], dock[1]
+        A = np.array([[-y, 0.0, 1.0], [x, -1.0, 0.0], [1.0, 0.0, 0.0]])
+        travel = now.travel.plus(last.travel, -1.0)
+        F, Q = _I.copy(), np.zeros((SIZE, SIZE))
+        F[:2, 3] = now.pose[:2] - last.pose[:2]
+        F[:3, 4:] = A @ travel.rows.T
+        Q[:2, :2] = self._along * travel.along
+        Q[:3, :3] += A @ (self._by_way * travel.by_way + self._by_turn * travel.by_turn) @ A.T
+        way, turn = travel.driven, travel.turned
+        Q[3, 3], Q[4, 4], Q[5, 5] = self._walk * way, self._walk * turn, self._walk_turn * way
+        if now.stamp < last.stamp:
+            Q = -Q  # backward in time the sums are negative; uncertainty grows all the same
+        return F, Q

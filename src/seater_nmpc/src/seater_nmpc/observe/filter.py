@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.se2 import wrap_angle
-from seater_nmpc.observe.drift import SIZE, initial_errors, transition
+from seater_nmpc.observe.drift import SIZE, Drift
 from seater_nmpc.observe.innovation import Innovation, likeliest
 from seater_nmpc.observe.measurement import Measurement, difference
 from seater_nmpc.observe.odometry import Instant
@@ -29,6 +29,7 @@ Series = Iterable[tuple[Instant, Measurement]]
 _KEPT = 20  # states at least, however slow the camera: verification averages some of them
 # Log density of an image that shows the dock where it is not: one in thirty, anywhere within a metre and a radian.
 _LOG_OUTLIER = math.log(0.03)
+_I = np.eye(SIZE)
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ class DockFilter:
 
     def __init__(self, parameters: ObserverParameters, calibration: Array, slip: float) -> None:
         """`calibration`: covariance (3, 3) common to all images, added for the gate. `slip`: see drift.py."""
-        self._parameters, self._calibration, self._slip = parameters, calibration, slip
+        self._parameters, self._calibration, self._drift = parameters, calibration, Drift(parameters, slip)
         self.states: deque[State] = deque()
 
     def begin(self, series: Series) -> float:
@@ -66,15 +67,15 @@ class DockFilter:
         entries = iter(series)
         chair, first = next(entries)
         covariance = np.zeros((SIZE, SIZE))
-        errors, covariance[3:, 3:] = initial_errors(self._parameters, self._slip)
+        errors, covariance[3:, 3:] = self._drift.initial_errors()
         covariance[:3, :3] = first.covariance
         self.states = deque([State(chair, np.concatenate([first.pose, errors]), covariance, first)])
         likelihoods = []
         for chair, measurement in entries:
             mean, predicted = self.predict(self.states[-1], chair)
             innovation, _ = likeliest([measurement], mean[:3], predicted[:3, :3], self._calibration, math.inf)
-            likelihoods.append(_log_likelihood(innovation))
-            self._update(chair, measurement)
+            likelihoods.append(innovation.log_likelihood)
+            self._update(chair, measurement, mean, predicted)
         return float(np.mean(likelihoods)) if likelihoods else 0.0
 
     def adopt(self, other: DockFilter) -> None:
@@ -96,33 +97,27 @@ class DockFilter:
             return Look(innovation, False, _LOG_OUTLIER)
         for _ in later:
             self.states.pop()
-        self._update(chair, best)
+        self._update(chair, best, mean, predicted)
         for state in later:
-            self._update(state.instant, state.measurement)
+            self._update(state.instant, state.measurement, *self.predict(self.states[-1], state.instant))
         oldest = chair.stamp - self._parameters.buffer_duration
         while len(self.states) > _KEPT and self.states[0].instant.stamp < oldest:
             self.states.popleft()
-        return Look(innovation, True, max(_LOG_OUTLIER, _log_likelihood(innovation)))
+        return Look(innovation, True, max(_LOG_OUTLIER, innovation.log_likelihood))
 
     def predict(self, last: State, now: Instant) -> tuple[Array, Array]:
         """Mean (7,) and covariance (7, 7) at `now`."""
-        F, Q = transition(last.mean[:3], last.instant, now, self._parameters, self._slip)
+        F, Q = self._drift.transition(last.mean, last.instant, now)
         mean = F @ last.mean
         mean[2] = wrap_angle(float(mean[2]))
         return mean, F @ last.covariance @ F.T + Q
 
-    def _update(self, chair: Instant, measurement: Measurement) -> None:
-        mean, P = self.predict(self.states[-1], chair)
+    def _update(self, chair: Instant, measurement: Measurement, mean: Array, P: Array) -> None:
+        """`mean` and `P`: as predicted for `chair`, from the last state."""
         gain = np.linalg.solve(P[:3, :3] + measurement.covariance, P[:3, :]).T
-        mean += gain @ difference(measurement.pose, mean[:3])
+        mean = mean + gain @ difference(measurement.pose, mean[:3])
         mean[2] = wrap_angle(float(mean[2]))
-        keep = np.eye(SIZE)
+        keep = _I.copy()
         keep[:, :3] -= gain
         covariance = keep @ P @ keep.T + gain @ measurement.covariance @ gain.T  # Joseph's form stays symmetric
         self.states.append(State(chair, mean, covariance, measurement))
-
-
-def _log_likelihood(innovation: Innovation) -> float:
-    """Log of the normal density of an innovation."""
-    log_det = float(np.linalg.slogdet(innovation.covariance)[1])
-    return -0.5 * (innovation.nis + log_det + 3.0 * math.log(2.0 * math.pi))

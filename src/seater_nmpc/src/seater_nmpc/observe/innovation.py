@@ -48,11 +48,17 @@ class Innovation:
     covariance: Array  # S, (3, 3): of the expectation, the measurement and what calibration leaves
     nis: float  # normalised innovation squared: value' S^-1 value
     gate: float  # NIS up to which it is fused
+    log_det: float  # ln det S
 
     @property
     def gate_ratio(self) -> float:
         """NIS / gate; above 1: rejected."""
         return self.nis / self.gate
+
+    @property
+    def log_likelihood(self) -> float:
+        """Log of the normal density of the value."""
+        return -0.5 * (self.nis + self.log_det + 3.0 * math.log(2.0 * math.pi))
 
     @property
     def sd(self) -> Array:
@@ -81,7 +87,8 @@ def likeliest(
         S = covariance + measurement.covariance + common
         value = difference(measurement.pose, pose)
         nis = float(value @ np.linalg.solve(S, value))
-        score = nis + float(np.linalg.slogdet(S)[1]) - 2.0 * math.log(measurement.weight)
-        scored.append((score, Innovation(value=value, covariance=S, nis=nis, gate=gate), measurement))
+        log_det = float(np.linalg.slogdet(S)[1])
+        innovation = Innovation(value=value, covariance=S, nis=nis, gate=gate, log_det=log_det)
+        scored.append((nis + log_det - 2.0 * math.log(measurement.weight), innovation, measurement))
     _, innovation, best = min(scored, key=lambda entry: entry[0])
     return innovation, best

@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from seater_common.geometry import CameraMount
 from seater_nmpc.observe.acquisition import Acquisition
 from seater_nmpc.observe.bank import SLIPS, FilterBank
-from seater_nmpc.observe.drift import transition
+from seater_nmpc.observe.drift import Drift
+from seater_nmpc.observe.filter import State
 from seater_nmpc.observe.innovation import Fusion, Innovation, Outcome
 from seater_nmpc.observe.measurement import Hypothesis, Measurement, Planar, in_frame, project
 from seater_nmpc.observe.odometry import Instant, Odometry, OdometryBuffer
@@ -60,6 +61,7 @@ class DockObserver:
         p = self.parameters
         self._calibration = np.diag([p.calibration_position**2, p.calibration_position**2, p.calibration_heading**2])
         self.odometry = OdometryBuffer(self.parameters.buffer_duration, self.parameters.max_extrapolation)
+        self._slipping = Drift(p, max(SLIPS))
         self.counts: Counter[Outcome] = Counter()
         self.refused_odometry = 0
         self.reset()
@@ -69,6 +71,7 @@ class DockObserver:
         self._prior = None if prior is None else np.asarray(prior, dtype=float)
         self._prior_radius = prior_radius
         self._bank = FilterBank(self.parameters, self._calibration)
+        self._estimated: tuple[State, Instant, DockEstimate] | None = None  # the last one, and what it was made from
         self._waiting: deque[tuple[float, list[Hypothesis]]] = deque(maxlen=_MOST_WAITING)
         p = self.parameters
         acquire = (p.gate, p.acquire_odds, self._calibration, self._wander)
@@ -125,15 +128,25 @@ class DockObserver:
         now, last = self.odometry.newest if stamp is None else self.odometry.at(stamp), self._bank.last
         if last is None or now is None:
             return None
-        mean, covariance = self._bank.chosen.predict(last, now)
-        return DockEstimate(
-            pose=mean[:3],
-            covariance=covariance[:3, :3] + self._calibration,
-            age=max(0.0, now.stamp - last.instant.stamp),
-            blind_distance=max(0.0, now.driven - last.instant.driven),
-            drift=mean[3:],
-            slip=self._bank.slip,
-        )
+        known, slip = self._estimated, self._bank.slip
+        if known is None or known[0] is not last or known[1] is not now or known[2].slip != slip:
+            mean, covariance = self._bank.chosen.predict(last, now)
+            estimate = DockEstimate(
+                pose=mean[:3],
+                covariance=covariance[:3, :3] + self._calibration,
+                age=max(0.0, now.stamp - last.instant.stamp),
+                blind_distance=max(0.0, now.driven - last.instant.driven),
+                drift=mean[3:],
+                slip=slip,
+            )
+            self._estimated = known = last, now, estimate
+        return known[2]
+
+    def true_speeds(self, v: float, omega: float, stamp: float | None = None) -> tuple[float, float]:
+        """(v [m/s], omega [rad/s]) of the chair at `stamp`, from those that the odometry reports; the same where
+        nothing is known of its errors."""
+        estimate = self.estimate(stamp)
+        return (v, omega) if estimate is None else estimate.true_speeds(v, omega)
 
     def measurements_since(self, stamp: float) -> list[tuple[Instant, Measurement]]:
         """What was used of images taken at or after `stamp`: the chair then, and the dock in odom."""
@@ -203,8 +216,8 @@ class DockObserver:
 
     def _wander(self, dock: Array, before: Instant, now: Instant) -> Array:
         """Covariance (3, 3) of how far the odometry of a slipping chair may have moved the dock between two images."""
-        p, last, first = self.parameters, max(SLIPS), before if before.stamp <= now.stamp else now
-        F, Q = transition(dock, first, now if first is before else before, p, last)
+        p, first = self.parameters, before if before.stamp <= now.stamp else now
+        F, Q = self._slipping.transition(dock, first, now if first is before else before)
         spread = np.diag(
             [0.0, 0.0, 0.0, p.scale_sd**2, p.heading_scale_sd**2, p.heading_drift_sd**2, p.gyro_bias_sd**2]
         )

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_common.se2 import arc_step, compose, relative
+from seater_common.se2 import arc_length, arc_step, compose, relative
 from seater_nmpc.observe.twist import TwistCheck
 
 Array = NDArray[np.float64]
@@ -34,29 +34,48 @@ class Travel:
     """Sums over everything driven since the buffer began: what the drift of the odometry between two times depends on.
 
     ds and dt are the way (negative backward) and the turn of a short step that takes dtime, q = (1, x, y) with the
-    chair's place in odom, c the unit vector of its direction there.
+    chair's place in odom, c the unit vector of its direction there. All sums stand in one array: they are added up with
+    every message and every estimate.
     """
 
-    way: Array  # (3,) of q ds
-    turn: Array  # (3,) of q dt
-    along: Array  # (2, 2) of c c' |ds|
-    by_way: Array  # (3, 3) of q q' |ds|
-    by_turn: Array  # (3, 3) of q q' |dt|
-    by_time: Array  # (3,) of q dtime [s]
+    sums: Array  # (31,)
 
     def plus(self, other: Travel, fraction: float = 1.0) -> Travel:
         """This, and `fraction` of the other."""
-        return Travel(
-            self.way + fraction * other.way,
-            self.turn + fraction * other.turn,
-            self.along + fraction * other.along,
-            self.by_way + fraction * other.by_way,
-            self.by_turn + fraction * other.by_turn,
-            self.by_time + fraction * other.by_time,
-        )
+        return Travel(self.sums + fraction * other.sums)
+
+    @property
+    def rows(self) -> Array:
+        """(3, 3): the sums of q dt, of q ds and of q dtime."""
+        return self.sums[:9].reshape(3, 3)
+
+    @property
+    def along(self) -> Array:
+        """(2, 2) of c c' |ds|."""
+        return self.sums[9:13].reshape(2, 2)
+
+    @property
+    def by_way(self) -> Array:
+        """(3, 3) of q q' |ds|."""
+        return self.sums[13:22].reshape(3, 3)
+
+    @property
+    def by_turn(self) -> Array:
+        """(3, 3) of q q' |dt|."""
+        return self.sums[22:31].reshape(3, 3)
+
+    @property
+    def driven(self) -> float:
+        """Way driven, both ways added up [m]."""
+        return float(self.sums[13])
+
+    @property
+    def turned(self) -> float:
+        """Angle turned, both ways added up [rad]."""
+        return float(self.sums[22])
 
 
-NO_TRAVEL = Travel(np.zeros(3), np.zeros(3), np.zeros((2, 2)), np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3))
+NO_TRAVEL = Travel(np.zeros(31))
 
 
 @dataclass(frozen=True)
@@ -72,12 +91,12 @@ class Instant:
     @property
     def driven(self) -> float:
         """Way driven since the buffer began, both ways added up [m]."""
-        return float(self.travel.by_way[0, 0])
+        return self.travel.driven
 
     @property
     def turned(self) -> float:
         """Angle turned since then, both ways added up [rad]."""
-        return float(self.travel.by_turn[0, 0])
+        return self.travel.turned
 
 
 _PERIOD_GAIN = 0.1  # weight of the newest message in the usual period
@@ -96,6 +115,7 @@ class OdometryBuffer:
         self._samples.clear()
         self.period = 0.0  # [s] usual time between two messages, once there are two
         self._twist = TwistCheck()
+        self._asked: tuple[float, Instant | None] | None = None  # the last question to `at`, and the answer
 
     def add(self, odometry: Odometry) -> bool:
         """Take a message; false (and not taken) when it is not finite or not newer than the last one."""
@@ -110,6 +130,7 @@ class OdometryBuffer:
             travel = last.travel.plus(_step(last.pose, pose, duration))
             self.period = duration if self.period == 0.0 else self.period + _PERIOD_GAIN * (duration - self.period)
         v, omega = self._twist.speeds(odometry)
+        self._asked = None
         self._samples.append(Instant(odometry.stamp, pose, v, omega, travel))
         while self._samples[0].stamp < odometry.stamp - self._duration:
             self._samples.popleft()
@@ -132,10 +153,17 @@ class OdometryBuffer:
 
     def at(self, stamp: float) -> Instant | None:
         """The chair at `stamp`; None outside the buffer (a little ahead of it the last speeds are carried on)."""
+        if self._asked is None or self._asked[0] != stamp:  # several ask for one time in a cycle
+            self._asked = stamp, self._at(stamp)
+        return self._asked[1]
+
+    def _at(self, stamp: float) -> Instant | None:
         if not self._samples or not math.isfinite(stamp) or stamp < self._samples[0].stamp:
             return None
         newest = self._samples[-1]
-        if stamp >= newest.stamp:
+        if stamp == newest.stamp:
+            return newest
+        if stamp > newest.stamp:
             return _ahead(newest, stamp) if stamp - newest.stamp <= self._max_extrapolation else None
         after = newest
         for before in reversed(self._samples):
@@ -147,15 +175,14 @@ class OdometryBuffer:
 
 def _step(before: Array, after: Array, duration: float) -> Travel:
     """Of one short step, with the middle of the chord as its place."""
-    x, y, turn = relative(before, after)
-    way = math.copysign(math.hypot(x, y), x) / float(np.sinc(0.5 * turn / math.pi))  # from the chord to the arc
-    q = np.array([1.0, 0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1])])
-    if way == 0.0 and turn == 0.0:
-        return replace(NO_TRAVEL, by_time=duration * q)
-    direction = before[2] + 0.5 * turn
-    c = np.array([math.cos(direction), math.sin(direction)])
-    square = np.outer(q, q)
-    return Travel(way * q, turn * q, abs(way) * np.outer(c, c), abs(way) * square, abs(turn) * square, duration * q)
+    chord_x, chord_y, turn = relative(before, after).tolist()
+    way, (x, y) = arc_length(chord_x, chord_y, turn), (0.5 * (before[:2] + after[:2])).tolist()
+    direction, size, turned = float(before[2]) + 0.5 * turn, abs(way), abs(turn)
+    c, s = math.cos(direction), math.sin(direction)
+    square = (1.0, x, y, x, x * x, x * y, y, y * x, y * y)  # q q'
+    sums = [turn, turn * x, turn * y, way, way * x, way * y, duration, duration * x, duration * y]
+    sums += [size * (c * c), size * (c * s), size * (s * c), size * (s * s)]
+    return Travel(np.array(sums + [size * value for value in square] + [turned * value for value in square]))
 
 
 def _ahead(last: Instant, stamp: float) -> Instant:

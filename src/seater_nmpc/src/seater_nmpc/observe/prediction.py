@@ -76,7 +76,13 @@ class CommandHistory:
 
     def since(self, number: int) -> list[_Sent]:
         """The commands from this number on, in the order in which they act."""
+        if not self._sent or self._sent[0].number >= number:  # the rule, once a goal is older than the memory
+            return list(self._sent)
         return [command for command in self._sent if command.number >= number]
+
+    def last(self, number: int) -> _Sent | None:
+        """The last command, unless its number is less than this."""
+        return self._sent[-1] if self._sent and self._sent[-1].number >= number else None
 
     @property
     def next_number(self) -> int:
@@ -98,14 +104,14 @@ class CommandView:
     @property
     def last(self) -> tuple[float, float] | None:
         """(v, omega) of the command sent last."""
-        commands = self._history.since(self._first)
-        return (commands[-1].v, commands[-1].omega) if commands else None
+        last = self._history.last(self._first)
+        return (last.v, last.omega) if last is not None else None
 
     @property
     def last_wanted(self) -> tuple[float, float] | None:
         """Speeds (v, omega) that the command sent last was to bring about."""
-        commands = self._history.since(self._first)
-        return commands[-1].wanted if commands else None
+        last = self._history.last(self._first)
+        return last.wanted if last is not None else None
 
     def mean(self, start: float, end: float) -> tuple[float, float]:
         """Mean (v, omega) of what was sent between two times [s], whenever it acts; zero before the first command."""
@@ -113,9 +119,10 @@ class CommandView:
         times = [start, *(command.stamp for command in commands if start < command.stamp < end), end]
         v = omega = 0.0
         for begin, stop in itertools.pairwise(times):
-            command = _last(commands, begin)
-            if command is not None:
-                v, omega = v + (stop - begin) * command.v, omega + (stop - begin) * command.omega
+            index = _later(commands, begin)
+            if index > 0:
+                command, duration = commands[index - 1], stop - begin
+                v, omega = v + duration * command.v, omega + duration * command.omega
         return v / (end - start), omega / (end - start)
 
     def acceleration(self, period: float) -> tuple[float, float]:
@@ -142,9 +149,11 @@ class CommandView:
         drive, delay, commands = self._history.drive, self._history.delay, self._history.since(self._first)
         while time < end - _SAME_TIME:
             began = time - delay  # of what acts now
-            changes = [command.stamp for command in commands if command.stamp > began + _SAME_TIME]
-            step = min([end - time, _SUBSTEP, *(stamp - began for stamp in changes)])
-            acting = _last(commands, began)
+            first = _later(commands, began)
+            acting = commands[first - 1] if first > 0 else None
+            step = min(end - time, _SUBSTEP)
+            if first < len(commands):
+                step = min(step, commands[first].stamp - began)
             v, mean_v = _follow(v, None if acting is None else drive.v.effective(acting.v), step, drive.lag_v)
             asked = None if acting is None else drive.omega.effective(acting.omega) + drive.curvature * v
             omega, mean_omega = _follow(omega, asked, step, drive.lag_omega)
@@ -163,10 +172,12 @@ def coasting_pose(pose: ArrayLike, v: float, omega: float, lag: float, lag_omega
     return arc_step(pose, v * lag, omega * (lag if lag_omega is None else lag_omega), 1.0)
 
 
-def _last(commands: list[_Sent], time: float) -> _Sent | None:
-    """The last command that was sent by then."""
-    sent = [command for command in commands if command.stamp <= time + _SAME_TIME]
-    return sent[-1] if sent else None
+def _later(commands: list[_Sent], time: float) -> int:
+    """Index of the first command that was sent later."""
+    for index in range(len(commands), 0, -1):  # the last ones are asked for
+        if commands[index - 1].stamp <= time + _SAME_TIME:
+            return index
+    return 0
 
 
 def _follow(speed: float, asked: float | None, step: float, lag: float) -> tuple[float, float]:

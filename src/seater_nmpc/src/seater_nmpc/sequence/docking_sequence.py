@@ -95,10 +95,7 @@ class DockingSequence:
         newest = self.observer.odometry.newest
         if taken and newest is not None:
             self._motion.add_odometry(replace(odometry, v=newest.v, omega=newest.omega))  # as checked against its poses
-            estimate = self.observer.estimate()
-            speeds = (newest.v, newest.omega)
-            true = speeds if estimate is None else estimate.true_speeds(*speeds)
-            self._controller.measured(odometry.stamp, *true)
+            self._controller.measured(odometry.stamp, *self.observer.true_speeds(newest.v, newest.omega))
         return taken
 
     def add_detections(self, stamp: float, hypotheses: list[Hypothesis]) -> Fusion:
