@@ -181,14 +181,12 @@ class Phases:
 
     def _speeds(self, chair: Instant) -> tuple[float, float]:
         """(v, omega) of the chair, less the errors of its odometry."""
-        estimate, motion = self._observer.estimate(chair.stamp), self._motion.at(chair.stamp)
-        return motion if estimate is None else estimate.true_speeds(*motion)
+        return self._observer.true_speeds(*self._motion.at(chair.stamp), chair.stamp)
 
     def _measured(self, chair: Instant) -> tuple[float, float]:
         """(v, omega) as the odometry's poses have it over `standing_time`, less its errors."""
-        estimate, speeds = self._observer.estimate(chair.stamp), (chair.v, chair.omega)
-        speeds = self._observer.odometry.mean_speeds(self._parameters.standing_time) or speeds
-        return speeds if estimate is None else estimate.true_speeds(*speeds)
+        speeds = self._observer.odometry.mean_speeds(self._parameters.standing_time) or (chair.v, chair.omega)
+        return self._observer.true_speeds(*speeds, chair.stamp)
 
     def _wait(self, chair: Instant) -> Command:
         if not self._in_view(chair):
