@@ -30,6 +30,11 @@ class LaunchFiles(unittest.TestCase):
         self.assertEqual(nodes("sim.launch"), {"/sim", "/marker_detector", "/docking", "/safety_gate"})
         self.assertIn("/record", nodes("sim.launch", "record:=true"))
 
+    def test_the_simulated_chair_is_as_it_is_unless_another_is_asked_for(self) -> None:
+        kind = "/sim/simulator/plant/kind"
+        self.assertEqual(parameters("sim.launch")[kind], "wheelchair")
+        self.assertEqual(parameters("sim.launch", "plant:=kinematic")[kind], "kinematic")
+
     def test_wheelchair_has_no_simulator(self) -> None:
         self.assertEqual(nodes("wheelchair.launch"), {"/marker_detector", "/docking", "/safety_gate"})
         self.assertNotIn("/use_sim_time", parameters("wheelchair.launch"))

@@ -10,11 +10,12 @@ from seater_eval.control.campaign_cases import draw_cases
 from seater_eval.control.campaign_report import describe_campaign, draw_campaign
 from seater_eval.control.campaign_run import DockingRun, run_values
 from seater_eval.control.campaign_summary import summarize_runs
-from seater_eval.control.controller_campaign import CampaignJob, run_campaign_job
+from seater_eval.control.controller_campaign import CampaignJob, _told, _with_plant, run_campaign_job
 from seater_eval.control.pose_noise import DockSensor, NoiseModel
 from seater_eval.run.setup_files import Setup, load_setup
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.observe.measurement import Hypothesis
+from seater_sim.settings import KINEMATIC, WHEELCHAIR
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 
@@ -87,6 +88,14 @@ def test_one_run_docks_and_comes_out_the_same_again(setup: Setup) -> None:
     np.testing.assert_array_equal(first["path"], again["path"])
     data = {"summary": summarize_runs([first]), "runs": [first], "conditions": {"obstacles": "", "solver": ""}}
     assert "1 of 1 docked" in describe_campaign(data)
+
+
+def test_the_plant_is_the_named_one_and_only_the_ideal_one_is_told(setup: Setup) -> None:
+    assert setup.simulator.plant.kind == WHEELCHAIR and _with_plant(setup, "") == setup
+    ideal = _with_plant(setup, KINEMATIC)
+    assert ideal.simulator.plant.kind == KINEMATIC
+    times = [(told.command_delay, told.motor_lag) for told in (_told(ideal), _told(setup))]
+    assert times == [(0.04, 0.1), (0.15, 0.2)]
 
 
 def test_a_docking_comes_out_the_same_whatever_the_controller_did_before(setup: Setup) -> None:

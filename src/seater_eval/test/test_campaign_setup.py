@@ -76,7 +76,7 @@ def test_variants_change_what_they_say_and_only_that() -> None:
 
 
 def test_the_controller_is_told_the_truth_or_its_defaults() -> None:
-    c = configuration(simulator={"plant": {"kinematic": {"lag_v": 0.33, "command_delay": 0.21}}})
+    c = configuration(simulator={"plant": {"kind": "kinematic", "kinematic": {"lag_v": 0.33, "command_delay": 0.21}}})
     before = c.parameters.control.prediction
     assert told_parameters(c.parameters, c.simulator, c.chair, "defaults", 1) == c.parameters
     told = told_parameters(c.parameters, c.simulator, c.chair, "truth", 1).control.prediction

@@ -9,6 +9,7 @@ from seater_eval.control.campaign_summary import campaign_bars, summarize_runs
 from seater_eval.control.docking_table import TABLE_II, table_bars
 from seater_eval.control.solver_benchmark import benchmark_bars
 from seater_eval.report.bars import all_met
+from seater_sim.settings import KINEMATIC, WHEELCHAIR
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 
@@ -39,6 +40,12 @@ def test_slow_or_too_few_runs_fail() -> None:
     assert [b.name for b in campaign_bars(few, False) if not b.met] == ["runs"]
     unseen = {"summary": summarize_runs([synthetic_run(started_in_view=False, out_of_view_s=3.0)] * 1000)}
     assert all_met(campaign_bars(unseen, False))  # only runs that started in view count
+
+
+def test_a_wheelchair_may_take_longer_and_end_a_little_more_askew() -> None:
+    runs = {"summary": summarize_runs([synthetic_run(docking_time_s=14.0, heading_error_deg=0.55)] * 1000)}
+    assert all_met(campaign_bars(runs, False, WHEELCHAIR))
+    assert sum(not bar.met for bar in campaign_bars(runs, False, KINEMATIC)) == 2
 
 
 def test_docking_table_judges_the_worst_pose() -> None:

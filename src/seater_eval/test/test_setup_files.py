@@ -40,6 +40,7 @@ def test_a_narrow_bay_is_a_warning_or_an_error_with_the_file(tmp_path: Path) -> 
         ("controller", {"planner": None}, "my_controller.yaml/planner"),
         ("simulator", {"step": -1.0}, "my_simulator.yaml/step"),
         ("camera", {"distortion_model": "fisheye"}, "my_camera.yaml/distortion_model"),
+        ("perception", {"selection": "best"}, r"(?s)my_perception\.yaml.*selection"),
     ],
 )
 def test_wrong_keys_are_named_with_their_file(tmp_path: Path, name: str, changes: dict, words: str) -> None:

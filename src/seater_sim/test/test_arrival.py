@@ -29,7 +29,7 @@ def test_odometry_arrives_late_and_in_order() -> None:
     assert np.all(np.diff(stamps) == 20_000_000)
     assert min(ages) <= 0.011 and 0.035 < max(ages) <= 0.07  # a message may wait for the one before it
     assert len(set(np.round(ages, 3))) >= 4
-    on_time = run(4.0)
+    on_time = run(4.0, arrival_jitter=0.0)
     assert all(due.odometry.time_ns == due.time_ns for due in on_time if due.odometry)
     assert stamps == [due.odometry.time_ns for due in on_time if due.odometry][: len(stamps)]
 
@@ -47,7 +47,7 @@ def test_same_seed_same_run() -> None:
 
 
 def test_truth_is_the_true_pose_and_odometry_is_wrong() -> None:
-    last = run(6.0)[-1]
+    last = run(6.0, arrival_jitter=0.0)[-1]
     assert last.odometry is not None
     origin = SimulatorSettings().odometry.origin
     moved = float(np.hypot(*(last.odometry.pose[:2] - [origin.x, origin.y])))

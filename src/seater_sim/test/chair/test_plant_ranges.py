@@ -11,7 +11,7 @@ import yaml
 
 from seater_common.params import ParameterError, as_mapping
 from seater_sim.chair.plant_ranges import PlantRanges, load_plant_ranges
-from seater_sim.settings import SimulatorSettings
+from seater_sim.settings import SimulatorSettings, WheelchairSettings, without_effects
 
 PLANTS = Path(__file__).resolve().parents[4] / "config" / "plants"
 NAMES = ["indoor_chair", "ramp", "small_robot", "worn_chair"]
@@ -65,6 +65,20 @@ def test_a_drawn_simulator_drives_the_chair_with_its_timing() -> None:
     assert {d.odometry.period for d in drawn} <= {round(0.01 * k, 9) for k in range(2, 11)}
     assert len({d.odometry.period for d in drawn}) > 4
     assert drawn[0].odometry.origin == settings.odometry.origin and drawn[0].camera.encoding == settings.camera.encoding
+
+
+def test_the_default_chair_is_an_indoor_chair_with_every_effect_on() -> None:
+    default, off = (flat(as_mapping(chair)) for chair in (WheelchairSettings(), without_effects()))
+    for key, allowed in flat(ranges_of("indoor_chair").ranges["wheelchair"]).items():
+        low, high = min(allowed), max(allowed)
+        assert low <= default[key] <= high, key
+        if not isinstance(low, str) and low < 0.0 < high:  # an error, to either side
+            assert abs(default[key]) >= 0.25 * high, key
+    # What is no effect: sizes, kinds, the time-out, a driver that is poor.
+    same = {key for key in default if default[key] == off[key]}
+    sizes = {"/castors/ahead", "/castors/spread", "/wheels/radius", "/wheels/track", "/floor/patch_length"}
+    choices = {"/command/deadband_kind", "/command/timeout", "/odometry/yaw", "/odometry/zero_twist"}
+    assert same == sizes | choices | {"/floor/patch_gap", "/floor/patch_one_sided"}
 
 
 def test_chairs_contain_the_values_that_defeated_the_controller_before() -> None:

@@ -22,10 +22,12 @@ from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.sequence.docking_sequence import DockingSequence
 from seater_nmpc.sequence.results import Result
 from seater_sim.loop.simulator import Due, Simulator
-from seater_sim.settings import NANOSECONDS, Obstacle
+from seater_sim.settings import KINEMATIC, NANOSECONDS, Obstacle
 
 # A limit counts as violated from here on. Far above rounding, far below what anyone notices.
 SLACK_SPEED = 1e-3  # [m/s, rad/s]
+# A wheelchair's wheels do not turn as commanded: gains in config/plants go up to this much beyond.
+GAIN_ERROR = 0.05  # of the limit
 SLACK_RATE = 1e-3  # [m/s^2, rad/s^2] times one period
 FAR = 0.6  # [m] farther from the dock than this, the markers have to stay in view
 
@@ -67,6 +69,7 @@ class DockingRun:
         obstacles = [*setup.simulator.obstacles, *(Obstacle(list(outline)) for outline in case.obstacles)]
         settings = replace(setup.simulator, obstacles=obstacles)
         self.simulator = Simulator(settings, setup.chair, setup.dock, None, case.start, seed=case.seed)
+        self._ideal = settings.plant.kind == KINEMATIC
         self._controller = controller
         controller.forget_chair()
         controller.set_obstacles([np.array(outline).reshape(-1, 2) for outline in case.obstacles])
@@ -85,6 +88,10 @@ class DockingRun:
         self.failures = 0
         self.result: Result | None = None
         self._rows: list[list[float]] = []
+
+    def slack_speed(self, limit: float) -> float:
+        """By how much the true speed may exceed its limit, all in [m/s] or [rad/s]."""
+        return SLACK_SPEED if self._ideal else GAIN_ERROR * limit
 
     def run(self, longest: float = 180.0, rest: float = 1.0) -> Trajectory:
         """Until the sequence ends or `longest` [s], and then `rest` [s] more: whatever moves after the end counts."""
@@ -172,7 +179,8 @@ def run_values(run: DockingRun, trajectory: Trajectory, case: Case) -> dict:
     within = math.hypot(final[0], final[1]) <= tolerance.position and abs(wrap_angle(final[2])) <= tolerance.heading
     violated = (
         watch.not_finite > 0
-        or max(watch.excess_speed, watch.excess_bay_speed) > SLACK_SPEED
+        or watch.excess_speed > run.slack_speed(run.chair.limits.v_max)
+        or watch.excess_bay_speed > run.slack_speed(run.chair.limits.v_bay_max)
         or watch.excess_request > SLACK_RATE * run._period
     )
     return {

@@ -30,6 +30,7 @@ from seater_eval.run.setup_files import Setup, load_setup
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.parameters import Prediction
 from seater_nmpc.plan.navigator import Navigator
+from seater_sim.settings import KINEMATIC
 
 _KEEP_EVERY = 10  # rows of the trajectory between two points of the figure
 
@@ -42,12 +43,13 @@ class CampaignJob:
     case: Case
     solver: str  # empty: that of config/controller.yaml
     noise: NoiseModel
+    plant: str = ""  # kinematic or wheelchair; empty: that of config/simulator.yaml
 
 
 @functools.lru_cache(maxsize=2)
-def _tools(config: str, solver: str) -> tuple[Setup, DockingController, Navigator, MinimumTime]:
+def _tools(config: str, solver: str, plant: str = "") -> tuple[Setup, DockingController, Navigator, MinimumTime]:
     """Made once in each process. No wall-time limit: a loaded machine decides the same."""
-    setup = load_setup(config)
+    setup = _with_plant(load_setup(config), plant)
     if solver:
         named = dataclasses.replace(setup.parameters.control, solver=solver)
         setup = dataclasses.replace(setup, parameters=dataclasses.replace(setup.parameters, control=named))
@@ -58,17 +60,25 @@ def _tools(config: str, solver: str) -> tuple[Setup, DockingController, Navigato
     return setup, controller, navigator, MinimumTime(setup.chair, setup.dock, setup.dock.tolerance)
 
 
+def _with_plant(setup: Setup, kind: str) -> Setup:
+    if not kind:
+        return setup
+    plant = dataclasses.replace(setup.simulator.plant, kind=kind)
+    return dataclasses.replace(setup, simulator=dataclasses.replace(setup.simulator, plant=plant))
+
+
 def _told(setup: Setup) -> Prediction:
-    """The times of the kinematic plant, whose limits of speed are judged to the millimetre per second."""
-    plant = setup.simulator.plant.kinematic
-    return dataclasses.replace(
-        setup.parameters.control.prediction, command_delay=plant.command_delay, motor_lag=plant.lag_v
-    )
+    """The times of the kinematic plant, whose limits of speed are judged to the millimetre per second; of a wheelchair
+    nothing beyond config/controller.yaml."""
+    told, plant = setup.parameters.control.prediction, setup.simulator.plant
+    if plant.kind != KINEMATIC:
+        return told
+    return dataclasses.replace(told, command_delay=plant.kinematic.command_delay, motor_lag=plant.kinematic.lag_v)
 
 
 def run_campaign_job(job: CampaignJob) -> dict[str, Any]:
     """The docking, the bound for its time, and the feedback laws from the same start."""
-    setup, controller, navigator, minimum = _tools(job.config, job.solver)
+    setup, controller, navigator, minimum = _tools(job.config, job.solver, job.plant)
     run = DockingRun(setup, job.case, controller, job.noise, navigator)
     trajectory = run.run()
     result = run_values(run, trajectory, job.case)
@@ -117,14 +127,15 @@ def run_campaign(
     *,
     seed: int = 1,
     solver: str = "",
+    plant: str = "",
     workers: int | None = None,
     noise: NoiseModel | None = None,
     partial: Path | None = None,
 ) -> dict[str, Any]:
     """All runs, in the order of their index. `partial`: see run_long."""
-    setup, noise = load_setup(config), noise or NoiseModel()
+    setup, noise = _with_plant(load_setup(config), plant), noise or NoiseModel()
     cases = draw_cases(setup, runs, seed, noise, True)
-    jobs = [CampaignJob(str(config), case, solver, noise) for case in cases]
+    jobs = [CampaignJob(str(config), case, solver, noise, plant) for case in cases]
     results = run_long(
         run_campaign_job,
         jobs,
@@ -142,7 +153,7 @@ def run_campaign(
         "pose_noise": dataclasses.asdict(noise),
         "obstacles": "up to two random convex polygons, clear of the start, the bay and the lane into it",
         "solver": solver or setup.parameters.control.solver,
-        "told": "delay and lag of the plant",
+        "told": "delay and lag of the plant" if setup.simulator.plant.kind == KINEMATIC else "nothing",
         "formulation": setup.parameters.control.formulation,
         "docking_time": "from the goal until the true pose stays within the tolerance",
         "minimum_time": "same limits and walls, to the set from which the tolerance need not be left; no obstacles",

@@ -24,6 +24,7 @@ PATH = "#1f6fb4"
 CHAIR = "#1f6fb4"
 GOAL = "#2e9e4f"
 START = "#d1852c"
+_LETTER = 0.009  # width of a letter in a phase's name over that of the time axis
 
 
 def draw_docking(recording: Recording, summary: dict[str, Any], dock: Dock, chair: Chair, path: str | Path) -> None:
@@ -178,14 +179,18 @@ def _relative_time(recording: Recording) -> tuple[np.ndarray, float]:
 
 def _shade_phases(axes: Axes, recording: Recording, t0: float, names: bool = True) -> None:
     ends = [t for t, _ in recording.phases[1:]] + [recording.truth[-1, 0]]
+    free = -np.inf  # where the last name ends: of names that would overlap, the later ones are left out
     for index, ((start, name), end) in enumerate(zip(recording.phases, ends, strict=True)):
         if index % 2:
             axes.axvspan(start - t0, end - t0, color="black", alpha=0.05, lw=0)
-        if names and end - start > 0.4:
+        text = name.lower().replace("_", " ")
+        middle, half = 0.5 * (start + end) - t0, 0.5 * len(text) * _LETTER * (ends[-1] - t0)
+        if names and end - start > 0.4 and middle - half > free:
+            free = middle + half
             axes.text(
-                0.5 * (start + end) - t0,
+                middle,
                 1.0,
-                name.lower().replace("_", " "),
+                text,
                 fontsize=7,
                 ha="center",
                 va="bottom",

@@ -14,15 +14,22 @@ from seater_eval.docking.summary import summarize, table
 
 
 def write_report(
-    bag: Path, dock: Dock, chair: Chair, results: Path, files: Mapping[str, Path] | None = None
+    bag: Path,
+    dock: Dock,
+    chair: Chair,
+    results: Path,
+    files: Mapping[str, Path] | None = None,
+    plant: str | None = None,
 ) -> dict[str, Any]:
-    """Writes summary.json and trajectory.png into `results` and returns the summary; `files`: what the run was made
-    with, where that is known.
+    """Writes summary.json and trajectory.png into `results` and returns the summary; `files` and `plant` (the kind
+    of chair that was simulated): what the run was made with, where that is known.
 
     Raises RecordingError when the bag cannot serve.
     """
     recording = read_recording(bag)
     summary = summarize(recording, dock, chair)
+    if plant is not None:
+        summary["plant"] = plant
     if files is not None:
         summary["files"] = {name: str(path) for name, path in files.items()}
     results.mkdir(parents=True, exist_ok=True)

@@ -85,6 +85,7 @@ def table(summary: dict[str, Any]) -> str:
         ("images", f"{images}, dock seen in {perception['detected']}"),
         ("perception per image", f"{timing_text(latency)} (wall time, receive to publish)"),
     ]
+    facts += [("simulated chair", summary["plant"])] if "plant" in summary else []
     facts += [(f"{name} file", path) for name, path in summary.get("files", {}).items()]
     word = "DOCKED" if summary["docked"] else "NOT DOCKED"
     title = f"{word}   result {summary['result_code']}: {summary['result_text']}"

@@ -27,12 +27,20 @@ class DockClientError(RuntimeError):
 def wait_until(condition: Callable[[], bool], what: str, alive: Callable[[], bool], timeout: float) -> None:
     """Polls in wall time; raises DockClientError when the time is over or the system has ended."""
     end = time.monotonic() + timeout
-    while not condition():
+    while not _holds(condition):
         if not alive():
             raise DockClientError(f"the launch ended while waiting for {what}")
         if time.monotonic() > end:
             raise DockClientError(f"waited {timeout:.0f} s for {what}")
         time.sleep(0.02)
+
+
+def _holds(condition: Callable[[], bool]) -> bool:
+    """False, too, when a node or the master cannot be reached: it is ending, or has not begun."""
+    try:
+        return condition()
+    except OSError:
+        return False
 
 
 class DockClient:

@@ -10,6 +10,7 @@ from typing import Any
 
 import yaml
 
+import seater_perception as sp
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError, load
@@ -82,14 +83,27 @@ def load_files(files: SetupFiles) -> tuple[Setup, list[str]]:
     parameters = load(NmpcParameters, _read(files.controller), str(files.controller))
     simulator = load(SimulatorSettings, _read(files.simulator), str(files.simulator))
     camera = CameraModel.from_mapping(_read(files.camera), str(files.camera))
-    if not isinstance(_read(files.perception), dict):
-        raise ParameterError(f"{files.perception}: must be a mapping like config/perception.yaml")
+    _check_perception(files, camera)
     try:
         driven = Vehicle(chair, dock).chair
     except ValueError as error:
         raise ParameterError(f"{files.chair}: {error}") from error
     parameters, warnings = check_setup(driven, dock, parameters, camera, files.checked())
     return Setup(chair, dock, parameters, simulator, camera), warnings
+
+
+def _check_perception(files: SetupFiles, camera: CameraModel) -> None:
+    """By the perception library itself, as the nodelet does when it starts."""
+    K, D, P = ([float(value) for value in matrix.ravel()] for matrix in (camera.K, camera.D, camera.P))
+    values = _read(files.perception)
+    if not isinstance(values, dict):
+        raise ParameterError(f"{files.perception}: must be a mapping like config/perception.yaml")
+    try:
+        layout = sp.load_dock_layout(_read(files.dock))
+        raw = sp.CameraModel.raw(sp.Calibration(camera.width, camera.height, K, D, camera.distortion_model, P))
+        sp.DockDetector(raw, layout, values)
+    except ValueError as error:  # the library's own errors
+        raise ParameterError(f"{files.perception}, with {files.dock} and {files.camera}: {error}") from error
 
 
 def _read(path: Path) -> Any:

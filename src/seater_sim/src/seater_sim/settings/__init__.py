@@ -1,6 +1,6 @@
 """Everything a person tunes about the simulation (config/simulator.yaml), one dataclass per part."""
 
-from seater_sim.settings.plant import KINEMATIC, WHEELCHAIR, KinematicSettings, PlantSettings
+from seater_sim.settings.plant import KINEMATIC, PLANTS, WHEELCHAIR, KinematicSettings, PlantSettings
 from seater_sim.settings.simulator import (
     CameraSettings,
     ContactSettings,
@@ -25,6 +25,7 @@ from seater_sim.settings.wheelchair import (
 __all__ = [
     "KINEMATIC",
     "NANOSECONDS",
+    "PLANTS",
     "WHEELCHAIR",
     "CameraSettings",
     "CastorSettings",

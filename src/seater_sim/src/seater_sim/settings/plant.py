@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from seater_common.params import param
 from seater_sim.settings.wheelchair import WheelchairSettings
 
-KINEMATIC, WHEELCHAIR = "kinematic", "wheelchair"
+PLANTS = KINEMATIC, WHEELCHAIR = "kinematic", "wheelchair"
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class KinematicSettings:
 class PlantSettings:
     """Which chair is driven: `kinematic` is the controller's own model, `wheelchair` a chair as it is."""
 
-    kind: str = param(KINEMATIC, "", "of the two below, the one that is driven", choices=(KINEMATIC, WHEELCHAIR))
+    kind: str = param(WHEELCHAIR, "", "of the two below, the one that is driven", choices=PLANTS)
     kinematic: KinematicSettings = field(default_factory=KinematicSettings)
     wheelchair: WheelchairSettings = field(default_factory=WheelchairSettings)
 
