@@ -6,11 +6,18 @@ import numpy as np
 import pytest
 
 from seater_common.geometry import Chair, Limits
-from seater_identify.drive.driver import Driver, DriveState
+from seater_identify.drive.driver import ASTRAY, TURN_BACK, Driver, DriveState
+from seater_identify.drive.moves import OMEGA, TurnBack
 from seater_identify.drive.script import AreaError
 from seater_identify.settings import AreaSettings, IdentifySettings
 from seater_identify.trial.simulation import simulate
-from seater_sim.settings import KinematicSettings, PlantSettings, SimulatorSettings
+from seater_sim.settings import (
+    CommandSettings,
+    KinematicSettings,
+    PlantSettings,
+    SimulatorSettings,
+    WheelchairSettings,
+)
 
 SETTINGS, CHAIR = IdentifySettings(), Chair()
 SIMULATOR = SimulatorSettings(plant=PlantSettings(kind="kinematic", kinematic=KinematicSettings()))
@@ -82,3 +89,26 @@ def test_cancel_stops_at_once() -> None:
 def test_an_area_that_is_too_small_is_refused_with_the_size_that_would_do() -> None:
     with pytest.raises(AreaError, match=r"must be at least 1\.\d\d m x 1\.74 m"):
         Driver(IdentifySettings(area=AreaSettings(length=2.2, width=1.5)), CHAIR)
+
+
+def test_a_chair_that_ignores_small_turns_ends_its_drive() -> None:
+    """Turns back that do not move it are given up: the drive goes on, and ends."""
+    command = CommandSettings(deadband_omega=0.1, deadband_kind="offset")
+    plant = PlantSettings(kind="wheelchair", wheelchair=WheelchairSettings(command=command))
+    drive = simulate(SETTINGS, CHAIR, SimulatorSettings(plant=plant), 3, None)
+    assert drive.state is DriveState.DONE, drive.text
+    assert drive.recording.duration < 130.0
+
+
+def test_a_small_turn_back_moves_the_chair() -> None:
+    """It is slow enough not to be over before it began."""
+    off = 1.2 * ASTRAY
+    driver = started()
+    driver._moves[1:1] = [TurnBack(OMEGA, off, min(TURN_BACK, 2.0 * off))]
+    driver._planned[OMEGA] = off
+    now, heading = 0.0, 0.0
+    for _ in range(300):
+        now += 0.02
+        heading += 0.02 * driver.command(now)[1]
+        driver.odometry(now, (0.0, 0.0, heading), now)
+    assert 0.4 * off < heading < 1.1 * off  # REACTION is left for a chair that stops late

@@ -31,6 +31,12 @@ def test_a_key_of_the_same_name_elsewhere_stays() -> None:
     assert edited(text, {"b/x": 3.0}, "f") == "a:\n  x: 1.0  # one\nb:\n  x: 3.0\n"
 
 
+def test_tiny_values_stay_numbers() -> None:
+    """YAML 1.1 reads 1e-05 as a text."""
+    assert yaml.safe_load(edited("x: 1.0\n", {"x": 1e-5}, "f")) == {"x": 1e-5}
+    assert yaml.safe_load(edited("x: 1.0\n", {"x": 1.25e-5}, "f")) == {"x": 1.25e-5}
+
+
 def test_missing_keys_are_all_named() -> None:
     with pytest.raises(KeyPathError, match=r"f: has no a/y, c"):
         edited("a:\n  x: 1.0\n", {"a/y": 1.0, "c": 2.0}, "f")

@@ -12,7 +12,7 @@ class AreaSettings:
     """The free area: a rectangle along the chair's heading at the start, the chair at the middle of its rear edge."""
 
     length: float = param(2.2, "m", "along the chair's heading", low=1.0, high=20.0)
-    width: float = param(2.0, "m", "across, half of it to each side", low=1.0, high=20.0)
+    width: float = param(2.2, "m", "across, half of it to each side", low=1.0, high=20.0)
     tolerance: float = param(0.1, "m", "how far the footprint may leave the area before the drive stops", low=0.0)
 
 

@@ -147,6 +147,13 @@ def test_patches_are_placed_by_the_seed() -> None:
     assert way(1) == way(1) and way(1) != way(2)
 
 
+def test_a_chair_that_turns_on_the_spot_rolls_off_its_patch() -> None:
+    """Wheels roll while the middle of the axle rests: 10 m in a minute at 0.6 rad/s, some patches."""
+    plant = make(only(floor={"patch_slip": 0.12, "patch_one_sided": 0.0}))
+    slippery = [rate < 0.59 for _, rate in drive(plant, round(60.0 / SECONDS), 0.0, 0.6)]
+    assert 6 <= np.count_nonzero(np.diff(slippery)) <= 40
+
+
 def test_slope_takes_speed_by_the_motors_compliance() -> None:
     floor = {"slope": 2.0 * RADIAN, "compliance": 0.1}
     loss = 0.1 * 9.81 * math.sin(2.0 * RADIAN)  # 34 mm/s

@@ -17,10 +17,9 @@ from seater_identify.settings import IdentifySettings
 Array = NDArray[np.float64]
 
 REACTION = 0.25  # [s] typical delay and lag of a chair, by which a stop is begun early; an error only moves the stop
-
-
 ASTRAY = 0.05  # [rad] off the planned heading, from which the chair turns back before a straight
-TURN_BACK = 0.25  # [rad/s]
+TURN_BACK = 0.25  # [rad/s], less for a small turn, which would be over before it began
+TURNS_BACK = 2  # before one straight: a chair that does not obey small commands goes on as it stands
 SHORTEST_STAND = 0.5  # [s] of standing that tells a gyro's bias
 
 
@@ -49,7 +48,7 @@ class Driver:
         self._command = [0.0, 0.0]
         self._index, self._began, self._moved_at = 0, 0.0, math.inf
         self._origin = [0.0, 0.0]  # of `_travelled`, at the beginning of the move
-        self._braking = False
+        self._braking, self._turns_back = False, 0
         self._bias, self._stood = 0.0, [0.0, 0.0]  # [rad/s]; turn and time while standing
         self._planned, self._goal = [0.0, 0.0], 0.0  # where the moves so far should have led; where this one ends
 
@@ -164,8 +163,13 @@ class Driver:
             self.state, self.text, self._command = DriveState.DONE, "done", [0.0, 0.0]
             return
         following, off = self._moves[self._index + 1], self._planned[OMEGA] - self._travelled[OMEGA]
-        if isinstance(following, Travel) and following.axis == V and abs(off) > ASTRAY:
-            self._moves[self._index + 1 : self._index + 1] = [TurnBack(OMEGA, off, TURN_BACK), self._moves[self._index]]
+        if isinstance(following, Travel) and following.axis == V:
+            if abs(off) > ASTRAY and self._turns_back < TURNS_BACK:
+                turn = TurnBack(OMEGA, off, min(TURN_BACK, 2.0 * abs(off)))
+                self._moves[self._index + 1 : self._index + 1] = [turn, self._moves[self._index]]
+                self._turns_back += 1
+            else:
+                self._turns_back = 0
         self._begin(self._index + 1, now)
 
     def _begin(self, index: int, now: float) -> None:

@@ -15,6 +15,9 @@ from seater_identify.drive.moves import OMEGA, Creep, Move, Pause, Travel, V
 from seater_identify.settings import DriveSettings, IdentifySettings
 
 LOW_SHARE = 1.0 / 20.0  # of the end of a slow rise, where it begins
+# [s] for which a slow rise in turning goes on once the chair moves: whether the deadband is taken off every command
+# shows at several times the deadband; from there on it looks like a smaller gain.
+RISE_ON = 4.5
 EDGE = 0.05  # [m] kept free between the farthest planned footprint and the area's edge
 SHORTEST = 0.5  # [m] of straight way; on less the chair never reaches a steady speed
 
@@ -92,5 +95,5 @@ def _creep(drive: DriveSettings, axis: int, sign: float, limits: Limits) -> Cree
         if axis == V
         else min(drive.creep_omega, limits.omega_max)
     )
-    moved = 0.008 if axis == V else 0.02
-    return Creep(axis, sign * LOW_SHARE * high, sign * high, drive.creep_double, moved, 0.8)
+    moved, after = (0.008, 0.8) if axis == V else (0.02, RISE_ON)
+    return Creep(axis, sign * LOW_SHARE * high, sign * high, drive.creep_double, moved, after)

@@ -65,6 +65,7 @@ class Increments:
     end: Array  # [s]
     way: Array  # [m] along the mean heading; negative: backward
     turn: Array  # [rad]
+    heading: Array  # [rad] in odom, of the middle
 
     @property
     def duration(self) -> Array:
@@ -83,7 +84,7 @@ def increments(recording: Recording) -> Increments:
     direction = rows[:-1, 3] + 0.5 * turn
     way = step[:, 1] * np.cos(direction) + step[:, 2] * np.sin(direction)
     turn -= _bias(recording, rows[1:, 0], turn) * np.diff(rows[:, 0])
-    return Increments(rows[:-1, 0], rows[1:, 0], way, turn)
+    return Increments(rows[:-1, 0], rows[1:, 0], way, turn, direction)
 
 
 def _bias(recording: Recording, end: Array, turn: Array) -> float:

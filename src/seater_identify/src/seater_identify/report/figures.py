@@ -41,7 +41,7 @@ def _draw_axis(result: Identification, axis: int, path: Path) -> Path:
     top.set_ylabel(TITLES[axis])
     top.legend(loc="upper right")
     bottom.plot(time, data.measured - fit.predicted, color=MEASURED, linewidth=0.8)
-    bottom.set(xlabel="time [s]", ylabel="residual")
+    bottom.set(xlabel="time [s]", ylabel=f"residual {TITLES[axis].split()[-1]}")
     return _save(fig, path)
 
 
@@ -53,6 +53,8 @@ def _draw_overview(result: Identification, recording: Recording, path: Path) -> 
     way.plot((x - x[0])[seen], (y - y[0])[seen], ".", markersize=2, color=COMMAND, label="dock seen")
     way.set(xlabel="x in odom [m]", ylabel="y in odom [m]", title="way by odometry")
     way.axis("equal")
+    if len(seen):
+        way.legend(loc="best")
     table.axis("off")
     table.text(0.0, 0.5, describe(result), family="monospace", fontsize=7.5, va="center")
     return _save(fig, path)

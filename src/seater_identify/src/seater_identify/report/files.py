@@ -77,8 +77,9 @@ def edited(text: str, values: Mapping[str, float], name: str) -> str:
 def _replaced(match: re.Match[str], value: float) -> str:
     """The line with a new value; its comment stays in its column where there is room."""
     head, new = f"{match['indent']}{match['key']}:{match['space']}", f"{value:.4g}"
-    if "." not in new and "e" not in new:
-        new += ".0"
+    if "." not in new:  # YAML 1.1 takes 1e-05 for a text
+        digits, e, power = new.partition("e")
+        new = f"{digits}.0{e}{power}"
     comment = match["rest"].lstrip()
     if not comment:
         return head + new

@@ -14,41 +14,47 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 # Standard deviations that a share has before anything was measured. asymmetry: difference of the gains of both ways;
-# slope and castors: fraction of the typical speed; cross: of the other axis' speed; droop: of the gain, over the
-# recording.
-PRIOR_SD = {"asymmetry": 0.01, "slope": 0.03, "cross": 0.03, "droop": 0.005}
-# Ways since the chair began to move so at which the push of the castors is free, in between it is interpolated;
-# typical speed x [s].
-SWING = (0.0, 0.1, 0.25, 0.5, 0.9, 1.5)
+# slope (speed that gravity adds at the headings 0 and 90 deg) and castors: fraction of the typical speed; cross: of the
+# other axis' speed; droop: of the gain, over the recording.
+PRIOR_SD = {"asymmetry": 0.01, "slope_0": 0.03, "slope_90": 0.03, "cross": 0.03, "droop": 0.005}
+# Ways since the chair began to move so at which the push of the castors is free, in between it is interpolated; shares
+# of the way in which they settle.
+SWING = (0.0, 0.07, 0.17, 0.33, 0.6, 1.0)
 CASTOR_SD = 0.08
-PRIOR_SD |= {f"castor_{knot}": CASTOR_SD for knot in SWING[:-1]}
+# Castors never trail quite in line while the chair turns: their tyres go on to be swivelled, at any rate alike.
+# 2 push trail^2 / (ahead * distance of the pivot) of seater_sim.chair.castors: up to 0.01 rad/s.
+TRAILING_SD = 0.015
+PRIOR_SD |= {f"castor_{knot}": CASTOR_SD for knot in SWING[:-1]} | {f"castor_{SWING[-1]}": TRAILING_SD}
 
 
-def disturbances(data: AxisData) -> dict[str, Callable[[Array], Array]]:
-    """Name to function: from the undisturbed speed (n,) to the disturbing one (n,)."""
+def disturbances(data: AxisData, trailing: bool) -> dict[str, Callable[[Array], Array]]:
+    """Name to function: from the undisturbed speed (n,) to the disturbing one (n,). `trailing`: with TRAILING_SD's."""
     duration = data.end - data.begin
     middle = 0.5 * (data.begin + data.end)
     age = (middle - middle.mean()) / max(float(np.ptp(middle)), 1e-9)
 
-    def slope(answer: Array) -> Array:
-        return data.unit * np.tanh(np.abs(answer) / (0.05 * data.unit))
+    def slope(direction: Array) -> Callable[[Array], Array]:
+        """While the motors drive, whichever axis moves; a chair at rest is held."""
+        return lambda answer: data.unit * direction * np.tanh(np.hypot(answer, data.other) / (0.05 * data.unit))
 
     def castor(index: int) -> Callable[[Array], Array]:
-        knots, height = np.array(SWING) * data.unit, np.eye(len(SWING))[index]
+        ways, height = np.array(SWING) * data.settling, np.eye(len(SWING))[index]
 
         def push(answer: Array) -> Array:
             way = way_since_change(answer, data.other, duration, data.unit)
-            return data.unit * np.tanh(answer / (0.05 * data.unit)) * np.interp(way, knots, height)
+            return data.unit * np.tanh(answer / (0.05 * data.unit)) * np.interp(way, ways, height)
 
         return push
 
     plain: dict[str, Callable[[Array], Array]] = {
         "asymmetry": np.abs,
-        "slope": slope,
+        "slope_0": slope(np.cos(data.heading)),
+        "slope_90": slope(np.sin(data.heading)),
         "cross": lambda answer: data.other,
         "droop": lambda answer: answer * age,
     }
-    return plain | {f"castor_{knot}": castor(index) for index, knot in enumerate(SWING[:-1])}
+    knots = SWING if trailing else SWING[:-1]
+    return plain | {f"castor_{knot}": castor(index) for index, knot in enumerate(knots)}
 
 
 def way_since_change(speed: Array, other: Array, duration: Array, unit: float) -> Array:

@@ -18,12 +18,15 @@ from seater_identify.response.problem import HUBER, AxisData, AxisProblem
 
 Array = NDArray[np.float64]
 
-STARTS = (0.05, 0.15, 0.3, 0.45)  # [s] delays that the fit begins with
+# The coarse grid from whose best points a fit begins: delays [s], deadbands (of the typical speed).
+STARTS = (0.05, 0.15, 0.25, 0.35, 0.5)
+EDGES = (0.005, 0.02, 0.04, 0.06, 0.08, 0.11, 0.15)
+BEST = 2
 CORRELATED = 1.0  # [s] over which residuals are taken as correlated
 PLAIN = ("delay", "lag", "deadband_plus", "deadband_minus")
 ALIKE = 0.95  # ratio of the costs above which both kinds of deadband are possible
 BETTER = 0.95  # share of the cost below which a ramp is believed
-STEEP = 0.97  # of the steepest command: a ramp as steep as the commands themselves cannot be told from none
+STEEP = 0.9  # of the steepest command: a ramp as steep as the commands themselves cannot be told from none
 
 
 @dataclass(frozen=True)
@@ -72,7 +75,10 @@ def _best(data: AxisData) -> tuple[AxisProblem, Array, float]:
     costs = [_cost(problem, parameters) for problem, parameters, _ in (jump, offset)]
     best = (jump, offset)[int(np.argmin(costs))]
     apart = abs(float(np.mean(jump[1][2:4]) - np.mean(offset[1][2:4]))) if max(costs) * ALIKE < min(costs) else 0.0
-    ramped = AxisProblem(data, (*PLAIN, "ramp"), best[0].offset)
+    if data.trails and not best[0].offset:
+        best = _fit(AxisProblem(data, PLAIN, False, trailing=True), best[1])
+        costs = [_cost(best[0], best[1])]
+    ramped = AxisProblem(data, (*PLAIN, "ramp"), best[0].offset, best[0].trailing)
     ramped.sd = best[0].sd
     steepest = data.commands.steepest()
     parameters = _fit(ramped, np.append(best[1], 0.7 * max(steepest, 0.1 * data.unit)))[1]
@@ -83,12 +89,13 @@ def _best(data: AxisData) -> tuple[AxisProblem, Array, float]:
 
 
 def _fit(problem: AxisProblem, begin: Array | None) -> tuple[AxisProblem, Array, float]:
-    """Problem, parameters, cost; without `begin` from several delays."""
+    """Problem, parameters, cost; without `begin` from the best of a grid."""
     bounds = _bounds(problem)
     if begin is None:
-        edge = 0.04 * problem.data.unit
-        starts = [np.array([delay, 0.15, edge, edge]) for delay in STARTS]
-        tried = [_minimise(problem.residuals, problem.steps, start, bounds, 6) for start in starts]
+        unit = problem.data.unit
+        grid = [np.array([delay, 0.18, edge * unit, edge * unit]) for delay in STARTS for edge in EDGES]
+        grid.sort(key=lambda point: float(np.sum(problem.residuals(point) ** 2)))
+        tried = [_minimise(problem.residuals, problem.steps, point, bounds, 6) for point in grid[:BEST]]
         begin = min(tried, key=lambda result: result[1])[0]
     for _ in range(2):
         problem.reweight(begin)

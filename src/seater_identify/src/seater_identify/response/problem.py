@@ -33,21 +33,27 @@ class AxisData:
 
     commands: Commands
     other: Array  # (n,) measured mean speed of the other axis, which may leak into this one
+    heading: Array  # (n,) [rad] in odom
     begin: Array  # (n,) [s]
     end: Array
     measured: Array  # (n,) mean speed [1/s]
     unit: float  # [1/s] a typical speed of the axis, for the scales of the problem
+    # Way from a change of direction until the castors trail, [m] or [rad]. A reversal leaves them pointing ahead, which
+    # they hardly feel to be wrong: a turn on the spot needs a quarter.
+    settling: float
+    trails: bool = False  # castors never trail quite in line with this motion: a turn
 
 
 class AxisProblem:
     """Residuals of one axis as a function of the free parameters, an array in the order of `free`."""
 
-    def __init__(self, data: AxisData, free: tuple[str, ...], offset: bool) -> None:
-        self.data, self.free, self.offset = data, free, offset
+    def __init__(self, data: AxisData, free: tuple[str, ...], offset: bool, trailing: bool = False) -> None:
+        """`trailing`: castors brake at any rate alike; not to be told from a deadband that is taken off (`offset`)."""
+        self.data, self.free, self.offset, self.trailing = data, free, offset, trailing
         self._grid = grid_of(data.begin, data.end)
-        self.sd = np.full(len(data.measured), 0.05 * data.unit)
+        self.sd = np.where(np.abs(data.measured) < SLOW * data.unit, 0.015, 0.05) * data.unit
         self.huber = np.ones(len(data.measured))
-        self._extra = disturbances(data)
+        self._extra = disturbances(data, trailing)
         self.prior = np.array([PRIOR_SD[name] for name in self._extra])
 
     def model(self, parameters: Array) -> AxisModel:
@@ -96,7 +102,7 @@ class AxisProblem:
         self.sd[~slow & ~fast] = np.max(self.sd[slow], initial=SMALLEST_SD * self.data.unit)
         self.huber = np.minimum(1.0, HUBER * self.sd / np.maximum(np.abs(residual), 1e-12))
         way = way_since_change(self.data.measured, self.data.other, self.data.end - self.data.begin, self.data.unit)
-        self.huber[way < SWING[-1] * self.data.unit] *= SWINGING
+        self.huber[way < SWING[-1] * self.data.settling] *= SWINGING
         idle = self._idle(self.model(parameters))
         self.huber[(idle > BRAKE) & (idle < RELEASE)] = 0.0
 

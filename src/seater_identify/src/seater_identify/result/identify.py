@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 
 UNITS = (0.4, 0.6)  # [m/s], [rad/s] typical speeds
 AXES = ("v", "omega")
+SETTLING = (0.6, 1.5)  # [m], [rad] until castors of the longest usual trail, 0.09 m, do not push any more
 MOVED = (0.1, 0.3)  # [m], [rad] of motion without which an axis is not fitted
 # Errors of the model itself, measured on random chairs (rosrun seater_identify identification_accuracy).
 FLOOR = {"delay": 0.006, "lag": 0.012}
@@ -66,7 +67,8 @@ def axis_data(recording: Recording, steps: Increments) -> dict[int, AxisData]:
     return {
         axis: AxisData(
             Commands(recording.commands[:, 0], recording.commands[:, 1 + axis]),
-            speeds[1 - axis], steps.begin, steps.end, speeds[axis], UNITS[axis],
+            speeds[1 - axis], steps.heading, steps.begin, steps.end, speeds[axis],
+            UNITS[axis], SETTLING[axis], trails=axis == 1,
         )
         for axis in (0, 1)
         if float(np.sum(np.abs(amounts[axis]))) > MOVED[axis] and np.any(recording.commands[:, 1 + axis] != 0.0)

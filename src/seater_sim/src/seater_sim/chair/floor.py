@@ -27,7 +27,7 @@ class Patches:
         self._next(0.0)
 
     def at(self, way: float) -> tuple[float, float]:
-        """Slip of the left and the right wheel; `way` [m], driven since the start in either direction, never falls."""
+        """Slip of the left and the right wheel; `way` [m], rolled by the wheels in either direction, never falls."""
         if self._settings.patch_slip == 0.0:
             return 0.0, 0.0
         while way >= self._end:
@@ -81,9 +81,8 @@ class Floor:
         patch_left, patch_right = self._patches.at(self._way)
         left *= 1.0 - _slip(max(s.slip_left, patch_left), math.copysign(s.slip_load, left) * loads[0])
         right *= 1.0 - _slip(max(s.slip_right, patch_right), math.copysign(s.slip_load, right) * loads[1])
-        way = 0.5 * abs(left + right)
-        self._way += way
-        return left, right, way * s.side_slip * aside
+        self._way += 0.5 * (abs(left) + abs(right))  # a chair that turns on the spot rolls off its patch as well
+        return left, right, 0.5 * abs(left + right) * s.side_slip * aside
 
 
 def _slip(steady: float, of_load: float) -> float:
