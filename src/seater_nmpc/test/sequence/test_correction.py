@@ -20,6 +20,8 @@ P = SequenceParameters(
         ((-0.002, 0.006, 0.005), 0, Verdict.STAY),
         ((-0.002, 0.006, 0.007), 0, Verdict.TURN),
         ((-0.02, 0.0, -0.1), 0, Verdict.TURN),  # heading first: it moves what is ahead
+        ((-0.02, 0.0, -0.1), 1, Verdict.MOVE),  # after a turn the castors stand aside: driving on turns it, too
+        ((-0.002, 0.0, -0.1), 1, Verdict.TURN),
         ((-0.004, 0.0, 0.0), 0, Verdict.MOVE),
         ((0.004, 0.0, 0.0), 0, Verdict.STAY),  # a little too deep: not worth driving back
         ((0.009, 0.0, 0.0), 0, Verdict.MOVE),

@@ -43,7 +43,8 @@ def judge(error: Array, moves: int, parameters: SequenceParameters) -> Verdict:
     beyond = error[0] > 0.0  # driving back would turn the castors round: only where it must be
     if y > p.release_position or heading > _LARGEST_TURN:
         return Verdict.AGAIN
-    if moves < p.max_moves and heading > p.hold_heading:
+    short = error[0] < -p.hold_position  # castors that a turn has swung out push on the same way when it drives on
+    if moves < p.max_moves and heading > p.hold_heading and not (short and moves > 0):
         return Verdict.TURN
     if moves < p.max_moves and x > (p.release_position if beyond else p.hold_position):
         return Verdict.MOVE

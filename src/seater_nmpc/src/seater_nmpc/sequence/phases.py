@@ -37,7 +37,8 @@ _UNDOCKED_SPEED = 0.1  # [m/s] below which the chair near the predock point has 
 _IMAGES_THAT_MAY_FAIL = 4  # in a row, the time until the next one arrives reckoned in
 _NEAR = 0.03  # [m] from the dock, where a chair that does not drive on is helped by a small move
 _BACK_OFF, _BACK_OFF_TIME = 0.6, 8.0  # [m, s] that the chair backs off where it got stuck
-_WELL_IN_FRONT = 0.3  # [m] nearer to the bay, the markers would still be seen by a chair that has driven round
+_WELL_IN_FRONT = 0.3  # [m] nearer to the bay or farther from it, the side wall would (not) hide the markers either
+_SEEN_NOW = 0.5  # [s] or a few images: a dock seen so lately is in view
 _STOPPING_MARGIN = 0.001  # [m] short of the dock at which it may come to rest
 _UNSEEN_IMAGES = 6  # times between two images
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
@@ -200,7 +201,7 @@ class Phases:
             raise GoalEnd(ResultCode.DOCK_NOT_VALID, f"the dock is {math.hypot(error[0], error[1]):.1f} m away")
         if within(error, self._dock.tolerance) and (self.contact or not self._require_contact):
             raise GoalEnd(ResultCode.ALREADY_DOCKED, "already docked")
-        if self._front.hidden(error) and not self._went_round:
+        if self._front.hidden(error - [_WELL_IN_FRONT, 0.0, 0.0]) and not self._went_round:
             self._enter(Phase.SEARCHING)
             return self._find(chair)
         self._enter(Phase.FINAL if self._way_in(error) else Phase.APPROACH)
@@ -212,7 +213,7 @@ class Phases:
         Where it is seen from beside the bay only, drive round to the front first.
         """
         known = self._in_view(chair)
-        if known and not self._front.hidden(self._look(chair) + [_WELL_IN_FRONT, 0.0, 0.0]):
+        if known and not self._front.hidden(self._look(chair) + [_WELL_IN_FRONT, 0.0, 0.0]) and self._seen_now(chair):
             return self._wait(chair)
         self._rough = self.T_odom_dock if known else self._rough
         assert self._rough is not None  # or there would be nothing to look for
@@ -234,6 +235,11 @@ class Phases:
         """Whether the dock is known and has been seen not too long ago."""
         estimate = self._observer.estimate(chair.stamp)
         return estimate is not None and not self.blind(estimate)
+
+    def _seen_now(self, chair: Instant) -> bool:
+        estimate = self._observer.estimate(chair.stamp)
+        lately = max(_SEEN_NOW, _IMAGES_THAT_MAY_FAIL * self._observer.image_period)
+        return estimate is not None and estimate.age <= lately
 
     def _approach(self, chair: Instant) -> Command:
         error = self._look(chair)
