@@ -1,5 +1,7 @@
 """In front of the bay or beside it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -23,3 +25,10 @@ def test_behind_an_open_dock_its_prints_are_hidden() -> None:
     dock = Dock(markers=THREE, bay=Bay(side_wall_length=0.0))
     assert Front(Chair(), dock).hidden(np.array([2.0, 0.5, 0.0]))
     assert not Front(Chair(), dock).hidden(np.array([-0.75, 1.25, 0.0]))
+
+
+def test_how_far_the_markers_are_from_the_cameras_axis() -> None:
+    chair = Chair()
+    front = Front(replace(chair, camera=replace(chair.camera, yaw=0.2)), Dock(markers=THREE))
+    assert front.aside(np.array([-1.1, 0.0, 0.0])) == pytest.approx(-0.2)
+    assert front.aside(np.array([-1.1, 2.0, 3.0])) == pytest.approx(-0.25 * np.pi - 0.2 - 3.0 + 2.0 * np.pi)

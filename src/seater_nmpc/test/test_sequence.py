@@ -285,3 +285,18 @@ def test_a_dock_that_is_seen_from_beside_is_driven_round_to_first(make_world) ->
     assert world.truth[0] < -1.05  # was beside the bay, at -0.75
     ended(world, world.run(60.0), ResultCode.SUCCESS)
     assert world.smallest_clearance > 0.02
+
+
+def test_a_chair_that_turned_the_dock_out_of_view_turns_back_to_it(make_world) -> None:
+    """It is not given up while it can be seen again by turning."""
+
+    def in_view(world: World) -> bool:
+        to_dock = np.arctan2(-world.truth[1], 0.9 - world.truth[0]) - world.truth[2]
+        return abs(to_dock) < 0.75
+
+    world = start(make_world((-3.0, 0.9, 0.0), seen=in_view, sequence={"max_blind_time": 0.5}))
+    world.run(8.0, until=lambda step: step.phase is Phase.APPROACH and step.command.v > 0.1)
+    world.truth = world.truth + [0.0, 0.0, 1.5 - world.truth[2]]  # pushed round, as odometry sees, too
+    world.run(20.0, until=lambda step: step.phase is Phase.SEARCHING)
+    assert world.phases[-1] == "SEARCHING"
+    ended(world, world.run(60.0), ResultCode.SUCCESS)

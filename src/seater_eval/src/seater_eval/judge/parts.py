@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import yaml
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError, load
 from seater_eval.run.config_files import load_chair, load_dock
@@ -48,8 +51,8 @@ def load_files(config: str, markers: int = 0) -> Files:
 class Kept:
     """Controllers and navigators, which take a second to make, for later runs of this process with the same parts."""
 
-    def __init__(self, files: Files) -> None:
-        self._files = files
+    def __init__(self, files: Files, camera: CameraModel | None = None) -> None:
+        self._files, self._camera = files, camera
         self._controllers: dict[ControlParameters, DockingController] = {}
         self._navigators: dict[NmpcParameters, Navigator] = {}
 
@@ -57,7 +60,9 @@ class Kept:
         """As at the start of a program."""
         if control not in self._controllers:
             self._controllers.clear()  # most runs are told something else: one is enough
-            made = DockingController(self._files.chair, self._files.dock, control, deterministic=True)
+            made = DockingController(
+                self._files.chair, self._files.dock, control, deterministic=True, camera=self._camera
+            )
             made.warm_up()
             self._controllers[control] = made
         controller = self._controllers[control]
@@ -71,13 +76,22 @@ class Kept:
         control = dataclasses.replace(parameters.control, prediction=Prediction())
         key = NmpcParameters(control=control, planner=parameters.planner)
         if key not in self._navigators:
-            made = Navigator(self._files.chair, self._files.dock, control, parameters.planner)
+            made = Navigator(self._files.chair, self._files.dock, control, parameters.planner, self._camera)
             made.prepare()
             self._navigators[key] = made
         return self._navigators[key]
 
 
 @functools.lru_cache(maxsize=4)
-def kept(config: str, markers: int = 0) -> Kept:
-    """That of this process for these files."""
-    return Kept(load_files(config, markers))
+def kept(config: str, markers: int = 0, view: float = 0.0) -> Kept:
+    """That of this process for these files. `view`: of the camera, as its camera_info tells [rad]; 0: not known."""
+    return Kept(load_files(config, markers), pinhole(view) if view > 0.0 else None)
+
+
+def pinhole(view: float) -> CameraModel:
+    """A camera without distortion of this horizontal field of view [rad], 1280 by 800 pixels."""
+    width, height = 1280, 800
+    focal_length = 0.5 * width / math.tan(0.5 * view)
+    K = np.array([[focal_length, 0.0, 0.5 * (width - 1)], [0.0, focal_length, 0.5 * (height - 1)], [0.0, 0.0, 1.0]])
+    P = np.column_stack([K, np.zeros(3)])
+    return CameraModel(width, height, "plumb_bob", np.zeros(5), K, np.eye(3), P)

@@ -110,7 +110,8 @@ class _Loop:
 
     def _make_driver(self, rng: np.random.Generator) -> Driver:
         job, base = self._job, self._files.parameters
-        tools = kept(job.config, job.row.markers)
+        view = 0.0 if job.driver == "class" else job.row.effects.pictures.view  # camera_info comes with each image
+        tools = kept(job.config, job.row.markers, view)
         if job.driver == "class":  # its defaults, not those of the files
             base = NmpcParameters(control=ControlParameters())
         parameters = told_parameters(base, job.told, job.row.effects, self.built)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from seater_common.field_of_view import FieldOfView
 from seater_common.geometry import Chair, Dock
+from seater_common.se2 import wrap_angle
 from seater_common.sight import Sight
 from seater_nmpc.ocp.constraints.view import kept_markers
 
@@ -28,6 +29,10 @@ class Front:
     def hidden(self, pose: Array) -> bool:
         """Whether, from this place, side walls or the prints' backs hide all markers by which the chair drives in,
         however it turns. It may be that another marker is seen."""
-        towards = math.atan2(self._middle[1] - pose[1], self._middle[0] - pose[0])
-        turned = np.array([[pose[0], pose[1], towards - self._yaw]])
+        turned = np.array([[pose[0], pose[1], float(pose[2]) + self.aside(pose)]])
         return not bool(np.any(self._sight.seen(turned, self._markers)))
+
+    def aside(self, pose: Array) -> float:
+        """Angle [rad] from the camera's axis to the direction in which the markers are, positive to the left."""
+        towards = math.atan2(self._middle[1] - pose[1], self._middle[0] - pose[0])
+        return wrap_angle(towards - self._yaw - float(pose[2]))

@@ -25,7 +25,7 @@ from seater_nmpc.sequence.correction import judge, standing_dock
 from seater_nmpc.sequence.deadlines import Deadlines
 from seater_nmpc.sequence.fine_move import FineMove
 from seater_nmpc.sequence.results import Phase, ResultCode
-from seater_nmpc.sequence.search import Search
+from seater_nmpc.sequence.search import SWEEPS, Search
 from seater_nmpc.sequence.standstill import Standstill
 from seater_nmpc.sequence.verification import Verdict, Verification, within
 
@@ -38,6 +38,7 @@ _IMAGES_THAT_MAY_FAIL = 4  # in a row, the time until the next one arrives recko
 _NEAR = 0.03  # [m] from the dock, where a chair that does not drive on is helped by a small move
 _BACK_OFF, _BACK_OFF_TIME = 0.6, 8.0  # [m, s] that the chair backs off where it got stuck
 _WELL_IN_FRONT = 0.3  # [m] nearer to the bay or farther from it, the side wall would (not) hide the markers either
+_ASIDE = 0.35  # [rad] of the camera's axis, from which on markers may be out of view
 _SEEN_NOW = 0.5  # [s] or a few images: a dock seen so lately is in view
 _STOPPING_MARGIN = 0.001  # [m] short of the dock at which it may come to rest
 _UNSEEN_IMAGES = 6  # times between two images
@@ -102,6 +103,7 @@ class Phases:
         self.no_way = ""  # why there is no way into the bay
         self._rough: Array | None = self._observer.prior  # the dock in odom, where it is looked for
         self._blind_since: float | None = None
+        self._lost = False  # out of sight on the approach, and looked for
         self._went_round = False  # to the front of the bay, as far as the way is clear
         self._controller.set_speed_limit()
         self._enter(phase)
@@ -126,10 +128,20 @@ class Phases:
         if self._blind_since is None:
             self._blind_since = chair.stamp
             self._controller.reset()
+        if self._turned_away(chair, estimate) and chair.stamp - self._blind_since > p.search_after:
+            self._enter(Phase.SEARCHING)
+            self._lost, self._rough = True, estimate.pose
+            return self._find(chair)
         if chair.stamp - self._blind_since > p.max_blind_wait:
             how = f"no marker used for {estimate.blind_distance:.2f} m and {estimate.age:.1f} s"
             raise GoalEnd(ResultCode.MARKER_LOST, f"{how}: {self._observer.why_unseen}")
         return replace(STANDING, text=f"waits to see the dock: {self._observer.why_unseen}")
+
+    def _turned_away(self, chair: Instant, estimate: DockEstimate) -> bool:
+        """Whether the dock may be out of view because the chair has turned too far, once in a goal, on the approach."""
+        if self.phase is not Phase.APPROACH or self._lost:
+            return False
+        return abs(self._front.aside(relative(estimate.pose, chair.pose))) > _ASIDE
 
     def _limit_speed(self) -> None:
         """So that a few images may fail before the chair has driven `max_blind_distance`."""
@@ -219,13 +231,17 @@ class Phases:
         assert self._rough is not None  # or there would be nothing to look for
         here = relative(self._rough, chair.pose)
         if self._search is None:
-            hidden = self._front.hidden(here)
-            self._search = Search(self._chair, self._dock, self._observer.image_period, known=known, hidden=hidden)
+            first = () if known else SWEEPS[:1] if self._lost or self._front.hidden(here) else SWEEPS
+            self._search = Search(
+                self._chair, self._dock, self._observer.image_period, first=first, go=known or not self._lost
+            )
         speeds = self._speeds(chair)
         rest = relative(self._rough, self._controller.rest_pose(chair.stamp, chair.pose, speeds))
         asked = self._search.speeds(chair.stamp, here, rest, self._controller.obstacles)
         if asked is not None:
             return self._controller.move(chair.stamp, speeds, *asked)
+        if self._lost and not known:
+            raise GoalEnd(ResultCode.MARKER_LOST, f"turned back to it in vain: {self._observer.why_unseen}")
         if not known:
             raise GoalEnd(ResultCode.FAILED_TO_DETECT_DOCK, f"looked all round for it: {self._observer.why_unseen}")
         self._went_round = True  # as far as it could

@@ -24,7 +24,7 @@ _SPEED, _TURN = 0.2, 0.35  # [m/s, rad/s]
 _DECELERATION, _TURN_DECELERATION = 0.2, 0.4  # [m/s^2, rad/s^2] that turns and drives end with
 _ARRIVED, _TURNED = 0.1, 0.05  # [m, rad]
 _STEERING = 1.0  # [1/s] turning rate per angle to the place that is driven to
-_SWEEPS = (0.0, 0.6, -0.6, 1.2, -1.2)  # [rad] beside the direction of the dock, where the chair looks
+SWEEPS = (0.0, 0.6, -0.6, 1.2, -1.2)  # [rad] beside the direction of the dock, where the chair looks
 _MARGIN = 0.1  # [m] that the footprint keeps from walls and obstacles
 _VIEWPOINT = 1.3  # [m] from the mouth of the bay to the front of the chair, where markers are surely to be seen
 _NEXT, _NEXT_TURN = 0.4, 0.5  # [m, rad] that have to be clear ahead, whatever has come into the way since
@@ -35,15 +35,15 @@ class Search:
     """Ask it for speeds in each cycle while the dock has not been found; None: it has looked everywhere."""
 
     def __init__(
-        self, chair: Chair, dock: Dock, image_period: float, *, known: bool = False, hidden: bool = False
+        self, chair: Chair, dock: Dock, image_period: float, *, first: Sequence[float] = SWEEPS, go: bool = True
     ) -> None:
-        """`image_period` [s]: usual time between two images. `known`: the pose is not rough, the chair only has to get
-        to the front. `hidden`: by that pose, the markers cannot be seen from where the chair stands."""
+        """`image_period` [s]: usual time between two images. `first`: where it looks before it drives, beside the
+        direction of the dock [rad]. `go`: drive to where the dock can be seen and look all round from there."""
         self._chair, self._dock = chair, dock
         self._areas = self._walls = dock.bay.outlines()
         self._look_time = max(_LOOK, _IMAGES * image_period)
         self._now, self._pose, self._rest = 0.0, np.zeros(3), np.zeros(3)
-        self._first_sweeps = () if known else _SWEEPS[:1] if hidden else _SWEEPS
+        self._first, self._go = first, go
         self._steps = self._search()
 
     def speeds(self, now: float, pose: Array, rest: Array, obstacles: list[Array]) -> Speeds | None:
@@ -54,15 +54,17 @@ class Search:
         return next(self._steps, None)
 
     def _search(self) -> Iterator[Speeds]:
-        yield from self._look_around(self._first_sweeps)
+        yield from self._look_around(self._first)
+        if not self._go:
+            return
         bay = self._dock.bay
         viewpoint = np.array([bay.entrance_x - self._chair.length_front - _VIEWPOINT, 0.0])
         if math.dist(self._pose[:2], viewpoint) > 2.0 * _ARRIVED and self._way_clear(viewpoint):
             yield from self._turn(self._bearing(viewpoint))
             yield from self._drive(viewpoint)
-            yield from self._look_around(_SWEEPS)
-        elif self._first_sweeps != _SWEEPS:
-            yield from self._look_around(_SWEEPS)
+            yield from self._look_around(SWEEPS)
+        elif self._first != SWEEPS:
+            yield from self._look_around(SWEEPS)
 
     def _look_around(self, sweeps: Sequence[float]) -> Iterator[Speeds]:
         middle = np.mean([marker.position[:2] for marker in self._dock.markers], axis=0)
