@@ -38,6 +38,22 @@ def test_jitter_delays_within_its_bounds_and_never_reorders() -> None:
     assert max(late) - min(late) >= 4
 
 
+def test_jitter_does_not_depend_on_how_many_commands_came_before() -> None:
+    """How long a gate publishes zeros before a goal begins depends on the machine."""
+
+    def speeds(zeros: int) -> list[float]:
+        plant = make(only(command={"delay": 0.02, "delay_jitter": 0.10, "timeout": 1000.0}))
+        seen = []
+        for k in range(1, 60):
+            for _ in range(zeros if k < 10 else 1):
+                plant.command(0.0 if k < 10 else 0.01 * k, 0.0)
+            plant.step(STEP)
+            seen.append(plant.v)
+        return seen
+
+    assert speeds(1) == speeds(3)
+
+
 def test_timeout() -> None:
     plant = make(only(command={"timeout": 0.25}))
     plant.command(0.3, 0.0)

@@ -26,7 +26,7 @@ class CommandPath:
         self._settings, self._limits = settings, limits
         self._delay_ns, self._jitter_ns = to_ns(settings.delay), to_ns(settings.delay_jitter)
         self._timeout_ns = to_ns(settings.timeout)
-        self._rng = np.random.default_rng([seed, 3])
+        self._seed = seed
         self._pending: deque[tuple[int, float, float]] = deque()
         self._acting: tuple[int, float, float] | None = None
 
@@ -40,7 +40,8 @@ class CommandPath:
         omega = min(max(omega, -limits.omega_max), limits.omega_max)
         due = now_ns + self._delay_ns
         if self._jitter_ns:
-            due += int(self._rng.random() * self._jitter_ns)
+            # By the time, not one after another: how many zeros come before a goal depends on the machine.
+            due += int(np.random.default_rng([self._seed, 3, now_ns]).random() * self._jitter_ns)
         self._pending.append((due, v, omega))  # one wire: a later command waits for the one before it
         return finite
 

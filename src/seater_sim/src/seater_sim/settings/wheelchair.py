@@ -97,9 +97,7 @@ class WheelOdometrySettings:
     gyro_scale: float = param(0.005, "", "relative error of turns", low=-0.2, high=0.2)
     gyro_noise: float = param(2.5e-4, "rad/sqrt(s)", "angle random walk", low=0.0, high=0.1)
     zero_twist: bool = param(False, "", "the twist of the message is always zero, as of some drivers")
-    arrival_jitter: float = param(
-        0.005, "s", "arrives up to so much after its stamp; never reorders", low=0.0, high=0.5
-    )
+    arrival_jitter: float = param(0.0, "s", "arrives up to so much after its stamp; never reorders", low=0.0, high=0.5)
 
 
 @dataclass(frozen=True)
