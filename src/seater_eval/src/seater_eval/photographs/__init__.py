@@ -1,0 +1,1 @@
+"""Photographs of printed markers whose places are known: what detectors find in them, and how exactly."""
