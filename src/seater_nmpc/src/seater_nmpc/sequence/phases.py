@@ -225,7 +225,7 @@ class Phases:
         Where it is seen from beside the bay only, drive round to the front first.
         """
         known = self._in_view(chair)
-        if known and not self._front.hidden(self._look(chair) + [_WELL_IN_FRONT, 0.0, 0.0]) and self._seen_now(chair):
+        if known and self._seen_now(chair) and self._well_in_front(self._look(chair)):
             return self._wait(chair)
         self._rough = self.T_odom_dock if known else self._rough
         assert self._rough is not None  # or there would be nothing to look for
@@ -246,6 +246,10 @@ class Phases:
             raise GoalEnd(ResultCode.FAILED_TO_DETECT_DOCK, f"looked all round for it: {self._observer.why_unseen}")
         self._went_round = True  # as far as it could
         return self._wait(chair)
+
+    def _well_in_front(self, error: Array) -> bool:
+        """Whether the markers can be seen nearer and farther, too: then waiting does not send it to search again."""
+        return not any(self._front.hidden(error + [shift, 0.0, 0.0]) for shift in (_WELL_IN_FRONT, -_WELL_IN_FRONT))
 
     def _in_view(self, chair: Instant) -> bool:
         """Whether the dock is known and has been seen not too long ago."""
