@@ -159,7 +159,9 @@ def main() -> int:
     chosen.add_argument("--only", nargs="+", choices=KINDS, help="only these kinds of tests")
     chosen.add_argument("--rostest", nargs="+", metavar="NAME", help="only these files of test/launch, e.g. cancel")
     chosen.add_argument("--match", metavar="REGEX", help="only tests whose name matches, as `ctest -R`")
-    parser.add_argument("--all", action="store_true", help="also what takes long and guards no behaviour (clang-tidy)")
+    parser.add_argument(
+        "--all", action="store_true", help="also what takes many minutes: every start of each geometry, clang-tidy"
+    )
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, metavar="N",
                         help="tests at the same time (default: %(default)s, one a core)")  # fmt: skip
     parser.add_argument("--build", type=Path, default=ROOT / "build", metavar="DIR",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,30 +26,34 @@ class Prism:
     outline: Array
     height: float
 
+    @cached_property
+    def half_spaces(self) -> tuple[Array, Array]:
+        """Outward normals (n + 2, 3) and distances (n + 2,) of the faces: inside is where normal . p <= distance."""
+        normals = outward_normals(self.outline[None])[0]
+        upright = np.column_stack([normals, np.zeros(len(normals))])
+        faces = np.vstack([upright, [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]])
+        return faces, np.append(np.sum(normals * self.outline, axis=1), [self.height, 0.0])
+
 
 def side_wall_prisms(bay: Bay) -> list[Prism]:
     """The bay's side walls, in the dock's frame; none of an open dock."""
     return [Prism(wall, bay.wall_height) for wall in bay.side_walls()]
 
 
-def blocked(eyes: Array, points: Array, prisms: list[Prism]) -> NDArray[np.bool_]:
+def blocked(eyes: Array, points: Array, prisms: Sequence[Prism]) -> NDArray[np.bool_]:
     """(n, m): whether a prism stands between eye and point, for n eyes and m points, (n, 3) and (m, 3) [m].
 
-    The segment is cut by one half-space after the other (Cyrus and Beck, 1978); what is left of it lies inside.
+    The segment is cut by all half-spaces (Cyrus and Beck, 1978); what is left of it lies inside.
     """
     eyes, points = np.asarray(eyes, dtype=float), np.asarray(points, dtype=float)
     result = np.zeros((len(eyes), len(points)), dtype=bool)
     for prism in prisms:
-        normals = outward_normals(prism.outline[None])[0]
-        faces = np.vstack([np.column_stack([normals, np.zeros(len(normals))]), [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]])
-        offsets = np.append(np.sum(normals * prism.outline, axis=1), [prism.height, 0.0])
-        begin, end = np.zeros_like(result, dtype=float), np.ones_like(result, dtype=float)
-        for face, offset in zip(faces, offsets, strict=True):
-            at_eye, at_point = (eyes @ face - offset)[:, None], (points @ face - offset)[None, :]
-            change = at_point - at_eye
-            where = -at_eye / np.where(change == 0.0, 1.0, change)  # where the segment crosses the face
-            begin = np.where(change < 0.0, np.maximum(begin, where), begin)
-            end = np.where(change > 0.0, np.minimum(end, where), end)
-            end = np.where((change == 0.0) & (at_eye > 0.0), -1.0, end)
-        result |= end - begin > _GRAZING
+        faces, distances = prism.half_spaces
+        at_eye = (eyes @ faces.T - distances)[:, None, :]
+        change = (points @ faces.T - distances)[None, :, :] - at_eye
+        where = -at_eye / np.where(change == 0.0, 1.0, change)  # where the segment crosses the face
+        begin = np.max(where, axis=2, where=change < 0.0, initial=0.0)
+        end = np.min(where, axis=2, where=change > 0.0, initial=1.0)
+        outside = np.any((change == 0.0) & (at_eye > 0.0), axis=2)  # beside a face that it runs along
+        result |= ~outside & (end - begin > _GRAZING)
     return result

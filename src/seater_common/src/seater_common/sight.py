@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.field_of_view import FieldOfView
 from seater_common.geometry import CameraMount, Dock, rotation_rpy
-from seater_common.occlusion import blocked, side_wall_prisms
+from seater_common.occlusion import Prism, blocked, side_wall_prisms
 
 Array = NDArray[np.float64]
 
@@ -28,27 +29,39 @@ class Sight:
     def seen(self, poses: Array, markers: Sequence[int] | None = None) -> NDArray[np.bool_]:
         """(n, k): marker (index in the dock's list; None: all) wholly in the image, printed side to the camera, no side
         wall between; poses (n, 3)."""
-        chosen = range(len(self.dock.markers)) if markers is None else markers
         poses = np.atleast_2d(np.asarray(poses, dtype=float))
-        return np.column_stack([self._sees(poses, index) for index in chosen])
+        eyes = self._eyes(poses)
+        chosen = range(len(self.dock.markers)) if markers is None else markers
+        return np.column_stack([self._sees(poses, eyes, index) for index in chosen])
 
-    def _sees(self, poses: Array, index: int) -> NDArray[np.bool_]:
-        marker = self.dock.markers[index]
-        T = marker.T_dock_marker()
-        corners = marker.corners() @ T[:3, :3].T + T[:3, 3]
+    def _sees(self, poses: Array, eyes: Array, index: int) -> NDArray[np.bool_]:
+        corners, centre, normal = self._markers[index]
         c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
         dx, dy = corners[:, 0] - poses[:, 0, None], corners[:, 1] - poses[:, 1, None]
-        x, y, z = c * dx + s * dy, c * dy - s * dx, np.broadcast_to(corners[:, 2], dx.shape)
-        result = np.ones(len(poses), dtype=bool)
+        in_base = np.stack([c * dx + s * dy, c * dy - s * dx, np.broadcast_to(corners[:, 2], dx.shape)], axis=2)
+        result = np.all(in_base @ self._planes[:, :3].T + self._planes[:, 3] >= 0.0, axis=(1, 2))
+        result &= (eyes - centre) @ normal > 0.0
+        candidates = np.flatnonzero(result)
+        if len(candidates):
+            result[candidates] = ~np.any(blocked(eyes[candidates], corners, self._walls), axis=1)
+        return result
+
+    @cached_property
+    def _planes(self) -> Array:
+        """(5, 4): what is in view lies on the positive side of the image's edges and ahead of the lens, base_link."""
         axis = rotation_rpy(self.mount.roll, self.mount.pitch, self.mount.yaw)[:, 0]
         ahead = np.append(axis, -axis @ [self.mount.x, self.mount.y, self.mount.z] - _NEAREST)
-        for a, b, height, d in [*self.field.edges(self.mount), ahead]:
-            result &= np.all(a * x + b * y + height * z + d >= 0.0, axis=1)
-        eyes = self._eyes(poses)
-        result &= (eyes - T[:3, 3]) @ T[:3, 2] > 0.0
-        candidates = np.flatnonzero(result)
-        result[candidates] &= ~np.any(blocked(eyes[candidates], corners, side_wall_prisms(self.dock.bay)), axis=1)
-        return result
+        return np.vstack([self.field.edges(self.mount), ahead])
+
+    @cached_property
+    def _markers(self) -> list[tuple[Array, Array, Array]]:
+        """Of each marker: corners (4, 3), centre and normal of its printed side (3,), in the dock's frame."""
+        poses = [(marker, marker.T_dock_marker()) for marker in self.dock.markers]
+        return [(m.corners() @ T[:3, :3].T + T[:3, 3], T[:3, 3], T[:3, 2]) for m, T in poses]
+
+    @cached_property
+    def _walls(self) -> list[Prism]:
+        return side_wall_prisms(self.dock.bay)
 
     def _eyes(self, poses: Array) -> Array:
         """Where the camera is, (n, 3)."""

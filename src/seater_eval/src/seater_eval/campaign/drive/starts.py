@@ -13,6 +13,7 @@ from seater_eval.campaign.drive.docking import grey
 from seater_eval.campaign.setup.campaign_file import Start
 from seater_eval.campaign.setup.cases import STREAM_START
 from seater_eval.campaign.setup.configuration import Configuration
+from seater_sim.camera.camera import Camera
 from seater_sim.world.contact import Walls
 
 Array = NDArray[np.float64]
@@ -37,10 +38,17 @@ def draw_start(c: Configuration, seed: int) -> tuple[Array, Array | None]:
         pose = _draw(c.start, rng) + np.array([0.0, 0.0, c.simulated_dock.docked_pose[2]])
         if walls.distance(pose) < c.start.clearance:
             continue
-        if not c.start.seen or perception.finds(grey(camera.render(pose, seed=seed))):
+        if not c.start.seen or _finds(perception, camera, pose, seed):
             return pose, _rough_pose(c.start, rng)
     seen = " and had the dock in view" if c.start.seen else ""
     raise NoStartError(f"start: none of {_TRIES} poses was {c.start.clearance} m clear of the walls{seen}")
+
+
+def _finds(perception: Perception, camera: Camera, pose: Array, seed: int) -> bool:
+    """Whether perception finds the dock in the image from there; drawn only where a whole marker is in the image."""
+    high = np.array([camera.model.width, camera.model.height]) - 0.5
+    inside = (bool(np.all((px >= -0.5) & (px <= high))) for px in camera.marker_corners(pose).values())
+    return any(inside) and perception.finds(grey(camera.render(pose, seed=seed)))
 
 
 def _draw(start: Start, rng: np.random.Generator) -> Array:
