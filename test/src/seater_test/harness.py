@@ -28,11 +28,13 @@ PATIENCE = 200.0  # [s] wall time; a loaded machine may take long
 class DockingCase(unittest.TestCase):
     """One test class per launch file; the nodes are those of sim.launch."""
 
+    simulator = "/sim"  # the node that knows how chair and dock really are
+
     def setUp(self) -> None:
         self.client = DockClient(lambda: not rospy.is_shutdown())
         self.client.connect(timeout=120.0)
-        self.dock = load(Dock, rospy.get_param("/sim/dock"), "/sim/dock")
-        self.chair = load(Chair, rospy.get_param("/sim/chair"), "/sim/chair")
+        self.dock = load(Dock, rospy.get_param(f"{self.simulator}/dock"), f"{self.simulator}/dock")
+        self.chair = load(Chair, rospy.get_param(f"{self.simulator}/chair"), f"{self.simulator}/chair")
         self.truth: list[list[float]] = []  # time, x, y, heading, v, omega in the true dock frame
         self.commands: list[tuple[float, float, float]] = []  # time, v, omega to the motors
         rospy.Subscriber("ground_truth", Odometry, self._on_truth, queue_size=1000)

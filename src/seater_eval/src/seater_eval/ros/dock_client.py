@@ -77,9 +77,13 @@ class DockClient:
         """Sends the goal while time stands still, then lets time run: the same start every time."""
         wait_until(lambda: rospy.get_time() > 0.0, "the simulator's clock", self._alive, timeout)
         self.run(False)  # answers when all are connected and the docking node has its first odometry
+        self.send(timeout)
+        self.run(True)
+
+    def send(self, timeout: float = 10.0) -> None:
+        """Sends the goal and waits for an answer; of a simulation that runs freely."""
         self._goal = self._client.send_goal(DockGoal(use_dock_id=True, dock_id=""), feedback_cb=self._on_feedback)
         wait_until(lambda: self._state() != GoalStatus.PENDING, "an answer to the goal", self._alive, timeout)
-        self.run(True)
 
     def run(self, on: bool) -> None:
         """Lets simulated time run or pauses it."""

@@ -6,20 +6,17 @@ from collections import Counter
 from typing import Any, Protocol
 
 import rospy
-import tf2_ros
 from geometry_msgs.msg import Twist, TwistStamped
-from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import CameraInfo, CompressedImage, Image
-from std_msgs.msg import Bool, UInt32
 from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
 
-from seater_msgs.msg import InputDone, MarkerDetectionArray, ObstacleArray
-from seater_sim.camera.camera import Camera
+from seater_msgs.msg import InputDone, MarkerDetectionArray
 from seater_sim.chair.interface import OdometrySample
 from seater_sim.loop.lockstep import Answers
 from seater_sim.loop.simulator import SimulatedImage, Simulator, Truth
 from seater_sim.ros import messages
+from seater_sim.ros.chair_topics import ChairTopics, publisher
+from seater_sim.ros.image_topics import ImageTopics
 from seater_sim.ros.options import Options
 from seater_sim.ros.peers import publishers_of, sends_to, subscribers_of
 
@@ -42,12 +39,11 @@ class Links:
 
     def __init__(self, options: Options, node: Receiver) -> None:
         self._options = options
-        self._tells_obstacles = options.publish_obstacles and bool(options.simulator.obstacles)
+        self._clock = publisher("/clock", Clock)
+        self._chair = ChairTopics(options.simulator.obstacles if options.publish_obstacles else [])
+        self._camera = ImageTopics()
         self._answers: Answers[Any] = Answers()
         self._contact_answers = 0
-        self._advertise()
-        self._static = tf2_ros.StaticTransformBroadcaster()
-        self._transforms = tf2_ros.TransformBroadcaster()
 
         def subscribe(topic: str, kind: type, callback: Any) -> rospy.Subscriber:
             return rospy.Subscriber(topic, kind, callback, queue_size=100, tcp_nodelay=True)
@@ -81,22 +77,6 @@ class Links:
             rospy.Service("~cover", SetBool, lambda request: _done(node.on_cover, request)),
         ]
 
-    def _advertise(self) -> None:
-        def publisher(topic: str, kind: type, latch: bool = False) -> rospy.Publisher:
-            # Long queues: in lock-step nobody falls behind, and a recorder shall not lose images.
-            return rospy.Publisher(topic, kind, queue_size=100, latch=latch, tcp_nodelay=True)
-
-        self._clock = publisher("/clock", Clock)
-        # Latched: while the time stands, who comes late still learns where the chair is.
-        self._odometry = publisher("odom", Odometry, latch=True)
-        self._truth = publisher("ground_truth", Odometry, latch=True)
-        self._contact = publisher("charging_contact", Bool, latch=True)
-        self._collisions = publisher("collisions", UInt32, latch=True)
-        self._obstacles = publisher("obstacles", ObstacleArray, latch=True) if self._tells_obstacles else None
-        self._image = publisher("camera/color/image_raw", Image)
-        self._compressed = publisher("camera/color/image_raw/compressed", CompressedImage)
-        self._camera_info = publisher("camera/color/camera_info", CameraInfo)
-
     @property
     def missed(self) -> Counter[str]:
         """Answers that were given up, by topic."""
@@ -106,54 +86,42 @@ class Links:
 
     def publish_static(self, simulator: Simulator) -> None:
         """Where the camera sits."""
-        self._static.sendTransform(messages.camera_transforms(self._options.told_chair.camera, simulator.time_ns))
+        self._chair.publish_static(self._options.told_chair.camera, simulator.time_ns)
 
     def publish_clock(self, time_ns: int) -> None:
         """Simulated time."""
         self._clock.publish(Clock(messages.stamp(time_ns)))
 
     def publish_odometry(self, sample: OdometrySample) -> None:
-        """odom and its transform; the transform first, so that it is there for who acts on odom."""
-        message = messages.odometry_message(sample)
-        self._transforms.sendTransform(messages.odometry_transform(message))
-        self._odometry.publish(message)
+        """odom and its transform."""
+        self._chair.publish_odometry(sample)
 
     def publish_truth(self, truth: Truth) -> None:
         """True pose, for the evaluation."""
-        self._truth.publish(messages.truth_message(truth))
+        self._chair.publish_truth(truth)
 
     def publish_contact(self, closed: bool) -> None:
-        """Charging contact; latched. In lock-step the docking node knows it before the time goes on."""
+        """Charging contact. In lock-step the docking node knows it before the time goes on."""
         expected = self._contact_answers + 1
-        self._contact.publish(Bool(closed))
+        self._chair.publish_contact(closed)
         if "input_done" in self._subscribers and self._present("input_done"):
             self._wait("input_done/charging_contact", "input_done", expected)
 
     def publish_obstacles(self, time_ns: int) -> None:
-        """What stands in the way, once; latched. In lock-step the docking node knows it before the time goes on."""
-        if self._obstacles is None:
+        """What stands in the way, once. In lock-step the docking node knows it before the time goes on."""
+        if self._chair.obstacles is None:
             return
-        self._obstacles.publish(messages.obstacles_message(self._options.simulator.obstacles, time_ns))
+        self._chair.publish_obstacles(time_ns)
         if "input_done" in self._subscribers and self._present("input_done"):
             self._wait("input_done/obstacles", "input_done", time_ns)
 
     def publish_collisions(self, count: int) -> None:
-        """How often the chair ran into something; latched."""
-        self._collisions.publish(UInt32(count))
+        """How often the chair ran into something."""
+        self._chair.publish_collisions(count)
 
-    def publish_image(self, image: SimulatedImage, camera: Camera | None) -> bool:
+    def publish_image(self, image: SimulatedImage) -> bool:
         """Image and camera_info; drawn only when someone listens. True when someone does."""
-        assert camera is not None
-        self._camera_info.publish(messages.camera_info_message(camera.model, image))
-        raw, compressed = (p.get_num_connections() > 0 for p in (self._image, self._compressed))
-        if not (raw or compressed):
-            return False
-        pixels = image.render()
-        if raw:
-            self._image.publish(messages.image_message(image, pixels))
-        if compressed:
-            self._compressed.publish(messages.compressed_message(image, pixels, camera.settings))
-        return True
+        return self._camera.publish(image)
 
     # Lock-step ------------------------------------------------------------------------------------------------------
 
@@ -200,12 +168,13 @@ class Links:
         detectors, controllers, gates = (
             nodes.get(topic, set()) for topic in ("detections", "input_done", "cmd_vel_stamped")
         )
-        images = subscribers_of(self._image) | subscribers_of(self._compressed)
-        if detectors and not (detectors & images and detectors & subscribers_of(self._camera_info)):
+        images = subscribers_of(self._camera.image) | subscribers_of(self._camera.compressed)
+        if detectors and not (detectors & images and detectors & subscribers_of(self._camera.camera_info)):
             return f"{', '.join(sorted(detectors))} does not listen to the images and camera_info"
-        if controllers and not controllers & subscribers_of(self._odometry):
+        if controllers and not controllers & subscribers_of(self._chair.odometry):
             return f"{', '.join(sorted(controllers))} does not listen to {rospy.resolve_name('odom')}"
-        if self._obstacles is not None and controllers and not controllers & subscribers_of(self._obstacles):
+        told = self._chair.obstacles
+        if told is not None and controllers and not controllers & subscribers_of(told):
             return f"{', '.join(sorted(controllers))} does not listen to {rospy.resolve_name('obstacles')}"
         return _unlinked(detectors, "detections", controllers) or _unlinked(controllers, "velocity_request", gates)
 

@@ -138,7 +138,7 @@ class SimNode:
             self._links.wait_for_odometry_answers(sample.time_ns)
 
     def _publish_image(self, image: SimulatedImage) -> None:
-        looked_at = self._links.publish_image(image, self._simulator.camera)
+        looked_at = self._links.publish_image(image)
         # Perception is silent about images that are no images, so nobody waits for it then.
         if looked_at and self._options.lock_step and image.encoding != "32FC1" and image.camera_info_valid:
             self._links.wait_for_image_answers(image.stamp_ns)
@@ -148,8 +148,6 @@ class SimNode:
             self._contact = contact
             self._links.publish_contact(contact)
         if collisions != self._collisions:
-            if collisions > 0:
-                rospy.logerr("Collision %d: the chair runs into a wall or an obstacle.", collisions)
             self._collisions = collisions
             self._links.publish_collisions(collisions)
 

@@ -1,0 +1,1 @@
+"""Faults of the simulated chair and its camera, injected while it runs freely; no ROS here."""

@@ -1,0 +1,44 @@
+#!/usr/bin/env python3
+"""Each part its own process, on the clock on the wall: a fault ends the docking at rest; once it is gone, it docks."""
+
+import subprocess
+import sys
+
+import rostest
+from seater_test.harness import DockingCase
+
+from seater_msgs.msg import DockResult
+
+
+def fail(*words: str) -> subprocess.CompletedProcess[str]:
+    """`rosrun seater_sim failure`, as a person types it."""
+    return subprocess.run(["rosrun", "seater_sim", "failure", *words], capture_output=True, text=True, timeout=60.0)
+
+
+class FreeRunning(DockingCase):
+    simulator = "/plant"
+
+    def test_a_covered_marker_and_a_docking(self) -> None:
+        refused = fail("camera", "tired")
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("camera has no fault 'tired'", refused.stderr)
+
+        self.client.send()
+        done = fail("camera", "cover", "--nearer", "1.1")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        lost = self.result()
+        self.assertEqual(lost.result_code, DockResult.MARKER_LOST, lost.result_text)
+        self.assert_standing()
+
+        self.assertEqual(fail("camera", "clear").returncode, 0)
+        self.client.send()
+        result = self.result()
+        self.assertEqual(result.result_code, DockResult.SUCCESS, result.result_text)
+        self.assert_standing()
+        self.assert_commands_within_limits()
+        position, _ = self.final_error()
+        self.assertLess(position, 0.03)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("seater_test", "free_running", FreeRunning, sys.argv)
