@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <limits>
 #include <opencv2/calib3d.hpp>
 
@@ -13,14 +12,34 @@ using namespace seater_perception;
 
 namespace {
 
-Calibration distorted(const std::string& model) {
+/// `coefficients`: as many of the 14 of OpenCV's model, the last two of which tilt the sensor.
+Calibration distorted(const std::string& model, std::size_t coefficients) {
+  const std::vector<double> D = {-0.21, 0.12,  0.001,  -0.0015, -0.03,  0.05, -0.02,
+                                 0.01,  0.002, -0.003, 0.001,   0.0015, 0.03, -0.02};
   Calibration c = scene::calibration(700.0);
   c.K = {702.0, 0, 641.3, 0, 698.0, 355.2, 0, 0, 1};
   c.distortion_model = model;
-  c.D = {-0.21, 0.12, 0.001, -0.0015, -0.03};
-  if (model == "rational_polynomial") c.D.insert(c.D.end(), {0.05, -0.02, 0.01});
+  c.D.assign(D.begin(), D.begin() + static_cast<std::ptrdiff_t>(coefficients));
   return c;
 }
+
+Calibration fisheye(const std::vector<double>& D) {
+  Calibration c = distorted("equidistant", 0);
+  c.D = D;
+  return c;
+}
+
+Eigen::Vector2d fisheyePixel(const Calibration& c, const Eigen::Vector3d& p) {
+  const cv::Mat K(3, 3, CV_64F, const_cast<double*>(c.K.data()));
+  std::vector<cv::Point2d> pixel;
+  cv::fisheye::projectPoints(std::vector<cv::Point3d>{{p.x(), p.y(), p.z()}}, pixel, cv::Vec3d(), cv::Vec3d(), K, c.D);
+  return {pixel[0].x, pixel[0].y};
+}
+
+const std::vector<std::pair<const char*, std::size_t>> kLenses = {
+    {"plumb_bob", 4},           {"plumb_bob", 5},           {"rational_polynomial", 4},
+    {"rational_polynomial", 5}, {"rational_polynomial", 8}, {"rational_polynomial", 12},
+    {"rational_polynomial", 14}};
 
 std::string complaint(const Calibration& c, bool rectified = false) {
   try {
@@ -44,8 +63,8 @@ TEST(CameraModel, pinholeIsTheClosedForm) {
 }
 
 TEST(CameraModel, distortionIsOpenCvs) {
-  for (const char* model : {"plumb_bob", "rational_polynomial"}) {
-    const Calibration c = distorted(model);
+  for (const auto& [model, coefficients] : kLenses) {
+    const Calibration c = distorted(model, coefficients);
     const CameraModel camera = CameraModel::raw(c);
     for (double x = -0.8; x <= 0.8; x += 0.2) {
       for (double y = -0.4; y <= 0.4; y += 0.2) {
@@ -60,20 +79,84 @@ TEST(CameraModel, distortionIsOpenCvs) {
   }
 }
 
+// Up to 83 degrees from the axis; the four coefficients of the second lens are a 180 degree lens' typical ones.
+TEST(CameraModel, fisheyeIsOpenCvs) {
+  for (const std::vector<double>& D : {std::vector<double>(4, 0.0), {-0.02, 0.008, -0.006, 0.001}}) {
+    const Calibration c = fisheye(D);
+    const CameraModel camera = CameraModel::raw(c);
+    for (double angle = 0.0; angle < 1.46; angle += 0.145) {
+      for (double around = 0.0; around < 6.2; around += 0.7) {
+        const Eigen::Vector2d ray = std::tan(angle) * Eigen::Vector2d(std::cos(around), std::sin(around));
+        const Eigen::Vector2d expected = fisheyePixel(c, {2.0 * ray.x(), 2.0 * ray.y(), 2.0});
+        EXPECT_LT((*camera.project({2.0 * ray.x(), 2.0 * ray.y(), 2.0}) - expected).norm(), 1e-9) << angle;
+        const auto back = camera.undistort(expected);
+        ASSERT_TRUE(back) << angle;
+        EXPECT_LT((*back - ray).norm(), 1e-8 * (1.0 + ray.squaredNorm())) << angle;
+      }
+    }
+  }
+  // Without coefficients' help, the radius is f times the angle.
+  EXPECT_NEAR(CameraModel::raw(fisheye({0, 0, 0, 0})).project({2.0, 0.0, 2.0})->x(), 641.3 + 702.0 * M_PI / 4.0, 1e-9);
+}
+
+TEST(CameraModel, fisheyeHasNoRayFarOut) {
+  const CameraModel straight = CameraModel::raw(fisheye({0, 0, 0, 0}));
+  EXPECT_TRUE(straight.undistort({641.3 + 702.0 * 1.49, 355.2}));
+  EXPECT_FALSE(straight.undistort({641.3 + 702.0 * 1.51, 355.2}));
+  EXPECT_FALSE(straight.undistort({641.3 - 702.0 * 4.0, 355.2}));
+  // theta (1 - 0.3 theta^2) never exceeds 0.703.
+  const CameraModel folding = CameraModel::raw(fisheye({-0.3, 0, 0, 0}));
+  EXPECT_TRUE(folding.undistort({641.3 + 702.0 * 0.65, 355.2}));
+  EXPECT_FALSE(folding.undistort({641.3 + 702.0 * 0.75, 355.2}));
+}
+
 TEST(CameraModel, jacobianIsTheDerivative) {
-  const CameraModel camera = CameraModel::raw(distorted("rational_polynomial"));
-  const Eigen::Vector3d point(0.5, -0.3, 1.4);
-  const auto J = camera.projectionJacobian(point);
-  const double h = 1e-6;
-  for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector3d d = h * Eigen::Vector3d::Unit(i);
-    const Eigen::Vector2d numeric = (*camera.project(point + d) - *camera.project(point - d)) / (2.0 * h);
-    EXPECT_LT((J.col(i) - numeric).norm(), 1e-4 * numeric.norm() + 1e-5);
+  std::vector<Calibration> cameras = {fisheye({-0.02, 0.008, -0.006, 0.001})};
+  for (const auto& [model, coefficients] : kLenses) cameras.push_back(distorted(model, coefficients));
+  for (const Calibration& c : cameras) {
+    const CameraModel camera = CameraModel::raw(c);
+    const Eigen::Vector3d point(0.5, -0.3, 1.4);
+    const auto J = camera.projectionJacobian(point);
+    const double h = 1e-6;
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d d = h * Eigen::Vector3d::Unit(i);
+      const Eigen::Vector2d numeric = (*camera.project(point + d) - *camera.project(point - d)) / (2.0 * h);
+      EXPECT_LT((J.col(i) - numeric).norm(), 1e-6 * numeric.norm() + 1e-5) << c.distortion_model << c.D.size();
+    }
   }
 }
 
+// As realsense-ros, realsense-viewer's bags and pyrealsense2 name their lenses.
+TEST(CameraModel, namesWithoutCoefficientsMeanNoDistortion) {
+  const Eigen::Vector3d point(0.5, -0.3, 1.4);
+  const Eigen::Vector2d straight = *CameraModel::raw(scene::calibration()).project(point);
+  for (const char* name : {"", "plumb_bob", "rational_polynomial", "Inverse Brown Conrady", "Brown Conrady", "None",
+                           "Modified Brown Conrady", "distortion.inverse_brown_conrady"}) {
+    for (const std::size_t length : {0, 5}) {
+      Calibration c = scene::calibration();
+      c.distortion_model = name;
+      c.D.assign(length, 0.0);
+      EXPECT_EQ(complaint(c), "") << name;
+      EXPECT_EQ((*CameraModel::raw(c).project(point) - straight).norm(), 0.0) << name;
+      c.D.assign(5, 0.01);
+      const bool known = c.distortion_model == "plumb_bob" || c.distortion_model == "rational_polynomial";
+      EXPECT_EQ(complaint(c).empty(), known) << name;
+    }
+  }
+  Calibration c = scene::calibration();
+  c.distortion_model = "Inverse Brown Conrady";
+  c.D = {0.1, 0, 0, 0, 0};
+  EXPECT_NE(complaint(c).find("'Inverse Brown Conrady' with coefficients other than 0"), std::string::npos);
+  for (const char* listed : {"plumb_bob (4 or 5", "rational_polynomial (4, 5, 8, 12 or 14", "equidistant (4"}) {
+    EXPECT_NE(complaint(c).find(listed), std::string::npos) << complaint(c);
+  }
+  c.distortion_model = "Ftheta";
+  c.D.assign(5, 0.0);
+  EXPECT_NE(complaint(c).find("'Ftheta', must be"), std::string::npos) << "all 0 is not no distortion with each name";
+}
+
 TEST(CameraModel, rectifiedImageUsesPAndNoDistortion) {
-  Calibration c = distorted("plumb_bob");
+  Calibration c = distorted("plumb_bob", 5);
   c.P = {500, 0, 600, 0, 0, 510, 300, 0, 0, 0, 1, 0};
   const auto pixel = CameraModel::rectified(c).project({0.1, 0.2, 1.0});
   EXPECT_NEAR(pixel->x(), 650.0, 1e-9);
@@ -107,13 +190,19 @@ TEST(CameraModel, refusesWhatIsNoCalibration) {
   c = good;
   c.D[1] = std::numeric_limits<double>::infinity();
   EXPECT_NE(complaint(c).find("D[1] is inf"), std::string::npos);
-  c = good;
-  c.D.pop_back();
-  EXPECT_NE(complaint(c).find("D has 4"), std::string::npos);
-  c = good;
-  c.distortion_model = "equidistant";
-  EXPECT_NE(complaint(c).find("equidistant"), std::string::npos);
-  EXPECT_EQ(complaint(c, true), "") << "a rectified image has no distortion";
+  for (const std::size_t length : {1, 3, 8}) {
+    c = distorted("plumb_bob", length);
+    EXPECT_NE(complaint(c).find("D has " + std::to_string(length) + " coefficients, must have 4 or 5"),
+              std::string::npos);
+  }
+  for (const std::size_t length : {0, 5, 8}) {
+    c = distorted("equidistant", length);
+    EXPECT_NE(complaint(c).find("must have 4 for equidistant"), std::string::npos);
+    EXPECT_EQ(complaint(c, true), "") << "a rectified image has no distortion";
+  }
+  EXPECT_EQ(complaint(fisheye({0.01, 0.0, 0.0, 0.0, 0.0})), "") << "realsense-ros sends a fifth one, 0";
+  c = distorted("fisheye", 4);
+  EXPECT_NE(complaint(c).find("distortion_model is 'fisheye', must be plumb_bob"), std::string::npos);
   c = good;
   c.width = 0;
   EXPECT_NE(complaint(c).find("image size"), std::string::npos);
@@ -123,30 +212,4 @@ TEST(CameraModel, refusesWhatIsNoCalibration) {
   c = good;
   c.P[3] = -30.0;
   EXPECT_NE(complaint(c, true).find("P[3]"), std::string::npos);
-}
-
-TEST(CalibrationFile, readsTheDefaultCamera) {
-  const Calibration c = loadCalibration(SEATER_CONFIG_DIR "/cameras/d455.yaml");
-  EXPECT_EQ(c.width, 1280);
-  EXPECT_EQ(c.height, 720);
-  EXPECT_EQ(c.K, scene::calibration().K);
-  EXPECT_EQ(c.P, scene::calibration().P);
-  EXPECT_EQ(c.D.size(), 5u);
-}
-
-TEST(CalibrationFile, namesWhatIsMissing) {
-  const std::string path = testing::TempDir() + "seater_camera.yaml";
-  std::ofstream(path) << "image_width: 640\ncamera_matrix: {data: [1, 2]}\ndistortion_model: fisheye\n";
-  try {
-    loadCalibration(path);
-    FAIL();
-  } catch (const ConfigurationError& error) {
-    const std::string text = error.what();
-    for (const char* part :
-         {"image_height: is missing", "camera_matrix/data", "list of 9", "distortion_coefficients: is missing",
-          "distortion_model: is fisheye", "projection_matrix: is missing"}) {
-      EXPECT_NE(text.find(part), std::string::npos) << part << " not in\n" << text;
-    }
-  }
-  EXPECT_THROW(loadCalibration("/nowhere.yaml"), ConfigurationError);
 }

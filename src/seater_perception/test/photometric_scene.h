@@ -69,7 +69,8 @@ inline cv::Mat whiteShare(const View& setup, const scene::Print& print, const cv
   const cv::Mat bits = bitsOf(print);
   const Isometry3d inverse = print.T_optical_marker.inverse();
   const double cell = print.size / bits.cols;
-  const bool lens = std::any_of(setup.camera.D.begin(), setup.camera.D.end(), [](double d) { return d != 0.0; });
+  const bool lens = setup.camera.distortion_model == "equidistant" ||
+                    std::any_of(setup.camera.D.begin(), setup.camera.D.end(), [](double d) { return d != 0.0; });
   cv::Mat fine(rows, columns, CV_32F);
   const auto white = [&](int column, int row) {  // row from the top
     if (column < 0 || row < 0 || column >= bits.cols || row >= bits.rows) return 1.0;
@@ -89,8 +90,7 @@ inline cv::Mat whiteShare(const View& setup, const scene::Print& print, const cv
     }
     rays = pixels;
     if (lens) {
-      cv::undistortPoints(pixels, rays, K, setup.camera.D, cv::noArray(), cv::noArray(),
-                          cv::TermCriteria(cv::TermCriteria::COUNT, 20, 0));
+      rays = scene::raysOf(setup.camera, pixels);
     } else {
       for (auto& p : rays)
         p = {(p.x - K.at<double>(0, 2)) / K.at<double>(0, 0), (p.y - K.at<double>(1, 2)) / K.at<double>(1, 1)};

@@ -92,9 +92,28 @@ inline std::vector<Print> defaultPrints(const Isometry3d& T_optical_dock) {
 /// Pixel of a point, by OpenCV.
 inline Vector2d pixelOf(const seater_perception::Calibration& c, const Vector3d& p) {
   const cv::Mat K(3, 3, CV_64F, const_cast<double*>(c.K.data()));
+  const std::vector<cv::Point3d> points = {{p.x(), p.y(), p.z()}};
   std::vector<cv::Point2d> pixel;
-  cv::projectPoints(std::vector<cv::Point3d>{{p.x(), p.y(), p.z()}}, cv::Vec3d(), cv::Vec3d(), K, c.D, pixel);
+  if (c.distortion_model == "equidistant") {
+    cv::fisheye::projectPoints(points, pixel, cv::Vec3d(), cv::Vec3d(), K, c.D);
+  } else {
+    cv::projectPoints(points, cv::Vec3d(), cv::Vec3d(), K, c.D, pixel);
+  }
   return {pixel[0].x, pixel[0].y};
+}
+
+/// Rays (x/z, y/z) of pixels, by OpenCV.
+inline std::vector<cv::Point2d> raysOf(const seater_perception::Calibration& c,
+                                       const std::vector<cv::Point2d>& pixels) {
+  const cv::Mat K(3, 3, CV_64F, const_cast<double*>(c.K.data()));
+  const cv::TermCriteria stop(cv::TermCriteria::COUNT, 20, 0);
+  std::vector<cv::Point2d> rays;
+  if (c.distortion_model == "equidistant") {
+    cv::fisheye::undistortPoints(pixels, rays, K, c.D);
+  } else {
+    cv::undistortPoints(pixels, rays, K, c.D, cv::noArray(), cv::noArray(), stop);
+  }
+  return rays;
 }
 
 inline std::array<Vector2d, 4> trueCorners(const seater_perception::Calibration& c, const Print& print) {
@@ -148,13 +167,11 @@ inline void drawPrint(const seater_perception::Calibration& c, const cv::Mat& bi
   box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
         cv::Rect(0, 0, c.width, c.height);
   if (box.empty()) return;
-  std::vector<cv::Point2d> grid, rays;  // the corners of the pixels
+  std::vector<cv::Point2d> grid;  // the corners of the pixels
   for (int y = 0; y <= box.height; ++y) {
     for (int x = 0; x <= box.width; ++x) grid.emplace_back(box.x + x - 0.5, box.y + y - 0.5);
   }
-  const cv::Mat K(3, 3, CV_64F, const_cast<double*>(c.K.data()));
-  cv::undistortPoints(grid, rays, K, c.D, cv::noArray(), cv::noArray(),
-                      cv::TermCriteria(cv::TermCriteria::COUNT, 20, 0));
+  const std::vector<cv::Point2d> rays = raysOf(c, grid);
   const Isometry3d T_marker_optical = print.T_optical_marker.inverse();
   const auto grey = [&](const Vector2d& ray) { return greyOf(bits, print, T_marker_optical, ray, look); };
   for (int y = 0; y < box.height; ++y) {

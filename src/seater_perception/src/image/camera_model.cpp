@@ -1,7 +1,5 @@
 #include "seater_perception/camera_model.h"
 
-#include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <utility>
@@ -10,9 +8,6 @@
 
 namespace seater_perception {
 namespace {
-
-constexpr int kNewtonSteps = 50;            // ends what does not converge
-constexpr double kNewtonTolerance = 1e-12;  // in undistorted coordinates; 1e-9 px
 
 template <typename Container>
 void requireFinite(const Container& values, const char* name) {
@@ -45,20 +40,6 @@ void requireLens(int width, int height, double fx, double fy, const char* fx_nam
   if (!text.str().empty()) throw CalibrationError(text.str());
 }
 
-void requireDistortion(const Calibration& calibration) {
-  const std::string& model = calibration.distortion_model;
-  std::ostringstream text;
-  if (model != "plumb_bob" && model != "rational_polynomial") {
-    text << "distortion_model is '" << model << "', must be plumb_bob or rational_polynomial";
-    throw CalibrationError(text.str());
-  }
-  const std::size_t expected = model == "plumb_bob" ? 5 : 8;
-  if (calibration.D.size() != expected) {
-    text << "D has " << calibration.D.size() << " coefficients, must have " << expected << " for " << model;
-    throw CalibrationError(text.str());
-  }
-}
-
 }  // namespace
 
 bool Calibration::operator==(const Calibration& other) const {
@@ -67,23 +48,18 @@ bool Calibration::operator==(const Calibration& other) const {
          distortion_model == other.distortion_model && P == other.P;
 }
 
-CameraModel::CameraModel(int width, int height, double fx, double fy, double cx, double cy,
-                         const std::vector<double>& distortion)
-    : width_(width), height_(height), fx_(fx), fy_(fy), cx_(cx), cy_(cy) {
-  std::copy(distortion.begin(), distortion.end(), d_.begin());
-}
+CameraModel::CameraModel(int width, int height, double fx, double fy, double cx, double cy, const Lens& lens)
+    : width_(width), height_(height), fx_(fx), fy_(fy), cx_(cx), cy_(cy), lens_(lens) {}
 
 CameraModel CameraModel::raw(const Calibration& c) {
   requireFinite(c.K, "K");
-  requireFinite(c.D, "D");
   requireLens(c.width, c.height, c.K[0], c.K[4], "K[0]", "K[4]");
   requireZero(c.K[1], "K[1]", "skew is not supported");
   for (const auto& [i, name] : {std::pair(3, "K[3]"), std::pair(6, "K[6]"), std::pair(7, "K[7]")}) {
     requireZero(c.K[static_cast<std::size_t>(i)], name, "K is upper triangular");
   }
   if (c.K[8] != 1.0) throw CalibrationError("K[8] is " + std::to_string(c.K[8]) + ", must be 1");
-  requireDistortion(c);
-  return CameraModel(c.width, c.height, c.K[0], c.K[4], c.K[2], c.K[5], c.D);
+  return CameraModel(c.width, c.height, c.K[0], c.K[4], c.K[2], c.K[5], Lens(c.distortion_model, c.D));
 }
 
 CameraModel CameraModel::rectified(const Calibration& c) {
@@ -92,39 +68,12 @@ CameraModel CameraModel::rectified(const Calibration& c) {
   requireZero(c.P[1], "P[1]", "skew is not supported");
   requireZero(c.P[3], "P[3]", "the second camera of a stereo pair is not supported");
   requireZero(c.P[7], "P[7]", "the second camera of a stereo pair is not supported");
-  return CameraModel(c.width, c.height, c.P[0], c.P[5], c.P[2], c.P[6], {});
-}
-
-Eigen::Vector2d CameraModel::distort(const Eigen::Vector2d& xy) const {
-  const double x = xy.x(), y = xy.y();
-  const double r2 = xy.squaredNorm();
-  const double radial =
-      (1.0 + r2 * (d_[0] + r2 * (d_[1] + r2 * d_[4]))) / (1.0 + r2 * (d_[5] + r2 * (d_[6] + r2 * d_[7])));
-  return {x * radial + 2.0 * d_[2] * x * y + d_[3] * (r2 + 2.0 * x * x),
-          y * radial + d_[2] * (r2 + 2.0 * y * y) + 2.0 * d_[3] * x * y};
-}
-
-Eigen::Matrix2d CameraModel::distortionJacobian(const Eigen::Vector2d& xy) const {
-  const double x = xy.x(), y = xy.y();
-  const double r2 = xy.squaredNorm();
-  const double a = 1.0 + r2 * (d_[0] + r2 * (d_[1] + r2 * d_[4]));
-  const double b = 1.0 + r2 * (d_[5] + r2 * (d_[6] + r2 * d_[7]));
-  const double da = d_[0] + r2 * (2.0 * d_[1] + r2 * 3.0 * d_[4]);  // by r2
-  const double db = d_[5] + r2 * (2.0 * d_[6] + r2 * 3.0 * d_[7]);
-  const double radial = a / b;
-  const double dradial = (da * b - a * db) / (b * b);
-  Eigen::Matrix2d J = radial * Eigen::Matrix2d::Identity() + 2.0 * dradial * xy * xy.transpose();
-  const double p1 = d_[2], p2 = d_[3];
-  J(0, 0) += 2.0 * p1 * y + 6.0 * p2 * x;
-  J(0, 1) += 2.0 * p1 * x + 2.0 * p2 * y;
-  J(1, 0) += 2.0 * p1 * x + 2.0 * p2 * y;
-  J(1, 1) += 6.0 * p1 * y + 2.0 * p2 * x;
-  return J;
+  return CameraModel(c.width, c.height, c.P[0], c.P[5], c.P[2], c.P[6], Lens());
 }
 
 std::optional<Eigen::Vector2d> CameraModel::project(const Eigen::Vector3d& point) const {
   if (!(point.z() > 1e-9)) return std::nullopt;
-  const Eigen::Vector2d xy = distort(point.head<2>() / point.z());
+  const Eigen::Vector2d xy = lens_.distort(point.head<2>() / point.z());
   const Eigen::Vector2d pixel(fx_ * xy.x() + cx_, fy_ * xy.y() + cy_);
   if (!pixel.allFinite()) return std::nullopt;
   return pixel;
@@ -135,23 +84,12 @@ Eigen::Matrix<double, 2, 3> CameraModel::projectionJacobian(const Eigen::Vector3
   const Eigen::Vector2d xy = point.head<2>() / z;
   Eigen::Matrix<double, 2, 3> by_point;
   by_point << 1.0 / z, 0.0, -xy.x() / z, 0.0, 1.0 / z, -xy.y() / z;
-  return Eigen::Vector2d(fx_, fy_).asDiagonal() * distortionJacobian(xy) * by_point;
+  return Eigen::Vector2d(fx_, fy_).asDiagonal() * lens_.jacobian(xy) * by_point;
 }
 
 std::optional<Eigen::Vector2d> CameraModel::undistort(const Eigen::Vector2d& pixel) const {
   if (!pixel.allFinite()) return std::nullopt;
-  const Eigen::Vector2d target((pixel.x() - cx_) / fx_, (pixel.y() - cy_) / fy_);
-  Eigen::Vector2d xy = target;
-  for (int i = 0; i < kNewtonSteps; ++i) {
-    const Eigen::Matrix2d J = distortionJacobian(xy);
-    // Beyond the radius where the distortion folds back, two rays share a pixel: there is no answer.
-    if (!(J.determinant() > 1e-3)) return std::nullopt;
-    const Eigen::Vector2d step = J.inverse() * (target - distort(xy));
-    xy += step;
-    if (!xy.allFinite()) return std::nullopt;
-    if (step.norm() < kNewtonTolerance) return xy;
-  }
-  return std::nullopt;
+  return lens_.invert({(pixel.x() - cx_) / fx_, (pixel.y() - cy_) / fy_});
 }
 
 }  // namespace seater_perception
