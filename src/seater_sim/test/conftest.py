@@ -18,6 +18,7 @@ CONFIG = Path(__file__).resolve().parents[3] / "config"
 LENSES = {
     "plumb_bob": [-0.055, 0.065, 0.0006, -0.0004, -0.021],
     "rational_polynomial": [0.4, -0.1, 0.0005, -0.0003, 0.02, 0.45, -0.05, 0.01],
+    "equidistant": [-0.02, 0.008, -0.006, 0.001],
 }
 
 

@@ -91,7 +91,15 @@ def test_corners_are_where_projection_says(ideal_camera: Camera, pose: tuple[flo
     assert max(errors) < 0.05
 
 
-@pytest.mark.parametrize("lens", ["plumb_bob", "rational_polynomial"])
+def projected(lens: str, model: CameraModel, points: np.ndarray, T: np.ndarray) -> np.ndarray:
+    """Pixels (n, 2) of points (n, 3) [m], by OpenCV."""
+    rvec, tvec = cv2.Rodrigues(T[:3, :3])[0], T[:3, 3]
+    if lens == "equidistant":
+        return np.asarray(cv2.fisheye.projectPoints(points[:, None], rvec, tvec, model.K, model.D)[0].reshape(-1, 2))
+    return np.asarray(cv2.projectPoints(points, rvec, tvec, model.K, model.D)[0].reshape(-1, 2))
+
+
+@pytest.mark.parametrize("lens", ["plumb_bob", "rational_polynomial", "equidistant"])
 def test_edges_follow_the_lens(with_lens: Callable[[str], CameraModel], lens: str) -> None:
     model = with_lens(lens)
     mount = Chair().camera
@@ -99,12 +107,11 @@ def test_edges_follow_the_lens(with_lens: Callable[[str], CameraModel], lens: st
     pose = (-0.5, 0.03, 0.02)
     image = camera.render(pose)
     T_optical_dock = np.linalg.inv(camera.T_dock_optical(pose))
-    rvec, tvec = cv2.Rodrigues(T_optical_dock[:3, :3])[0], T_optical_dock[:3, 3]
     for sheet in camera.scene.sheets:
         t = np.linspace(0.0, 1.0, 200)[:, None]
         for side in range(4):
             a, b = sheet.outline[side], sheet.outline[(side + 1) % 4]
-            curve = cv2.projectPoints(a + t * (b - a), rvec, tvec, model.K, model.D)[0].reshape(-1, 2)
+            curve = projected(lens, model, a + t * (b - a), T_optical_dock)
             points = edge_points(image, camera.marker_corners(pose)[sheet.marker.id], side, 5.0)
             along = 0 if side in (0, 2) else 1
             order = np.argsort(curve[:, along])

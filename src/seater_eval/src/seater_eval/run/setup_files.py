@@ -82,7 +82,7 @@ def load_files(files: SetupFiles) -> tuple[Setup, list[str]]:
     chair, dock = load_chair(files.chair), load_dock(files.dock)
     parameters = load(NmpcParameters, _read(files.controller), str(files.controller))
     simulator = load(SimulatorSettings, _read(files.simulator), str(files.simulator))
-    camera = CameraModel.from_mapping(_read(files.camera), str(files.camera))
+    camera = CameraModel.load(files.camera)
     _check_perception(files, camera)
     try:
         driven = Vehicle(chair, dock).chair

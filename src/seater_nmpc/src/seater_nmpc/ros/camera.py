@@ -5,7 +5,7 @@ from __future__ import annotations
 import rospy
 from sensor_msgs.msg import CameraInfo
 
-from seater_common.camera_model import COEFFICIENTS, CameraModel
+from seater_common.camera_model import CameraModel
 from seater_common.params import ParameterError
 from seater_nmpc.ocp.constraints.view import UNKNOWN_CAMERA
 
@@ -45,15 +45,13 @@ def info_topic(image: str) -> str:
 
 def from_message(message: CameraInfo) -> CameraModel:
     """Raises ParameterError: not calibrated, or a distortion model that is not known."""
-    model = message.distortion_model or "plumb_bob"
-    D = list(message.D) or [0.0] * COEFFICIENTS.get(model, 0)
     return CameraModel.from_mapping(
         {
             "image_width": message.width,
             "image_height": message.height,
-            "distortion_model": model,
+            "distortion_model": message.distortion_model,
             "camera_matrix": {"data": list(message.K)},
-            "distortion_coefficients": {"data": D},
+            "distortion_coefficients": {"data": list(message.D)},
             "rectification_matrix": {"data": list(message.R)},
             "projection_matrix": {"data": list(message.P)},
         },

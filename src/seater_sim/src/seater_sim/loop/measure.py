@@ -7,11 +7,9 @@ from __future__ import annotations
 
 import sys
 import time
-from pathlib import Path
 
 import cv2
 import numpy as np
-import yaml
 from tabulate import tabulate
 
 from seater_common.camera_model import CameraModel
@@ -37,7 +35,7 @@ def main() -> None:
         sys.exit("usage: measure_rendering CAMERA_INFO.yaml [IMAGES per case]")
     cv2.setNumThreads(1)
     images = int(sys.argv[2]) if len(sys.argv) == 3 else 50
-    model = CameraModel.from_mapping(yaml.safe_load(Path(sys.argv[1]).read_text()))
+    model = CameraModel.load(sys.argv[1])
     for encoding in ("mono8", "rgb8"):
         camera = Camera(model, Chair().camera, Dock(), CameraSettings(encoding=encoding))
         rows = []

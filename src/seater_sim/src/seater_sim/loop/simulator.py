@@ -1,6 +1,6 @@
 """The simulated chair in its world, without ROS. It owns the time; `step` says what falls due.
 
-simulator = Simulator(settings, Chair(), Dock(), CameraModel.from_mapping(yaml.safe_load(open(path))), [-1.5, 0.3, 0])
+simulator = Simulator(settings, Chair(), Dock(), CameraModel.load(path), [-1.5, 0.3, 0])
 while True:
     due = simulator.step()
     for taken in due.images:
