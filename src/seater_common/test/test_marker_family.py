@@ -40,6 +40,35 @@ def test_a_file_is_found_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert family.print_of(0).sum() == 4
 
 
+def test_a_dictionary_of_opencv_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    known = marker_family("5X5_50")
+    assert known.name == "DICT_5X5_50"
+    file = cv2.FileStorage(str(tmp_path / "custom.yml"), cv2.FILE_STORAGE_WRITE)
+    for key, value in (("nmarkers", len(known)), ("markersize", 5), ("maxCorrectionBits", 3)):
+        file.write(key, value)
+    for i, code in enumerate(known.codes):
+        file.write(f"marker_{i}", "".join(map(str, code.ravel())))
+    file.release()
+    monkeypatch.setenv("SEATER_MARKER_FAMILIES", str(tmp_path))
+    family = marker_family("custom")
+    assert np.array_equal(family.codes, known.codes)
+    assert (family.border, family.correctable_bits) == (1, 3)
+    (tmp_path / "custom.yml").write_text("nmarkers: 2\nmarkersize: 3\nmaxCorrectionBits: 0\nmarker_0: '110010001'\n")
+    with pytest.raises(ParameterError, match=r"custom.yml: is no dictionary of OpenCV: 'marker_1' is missing"):
+        marker_family("custom")
+
+
+def test_the_recommended_family_of_aruco(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As published: 250 codes that differ by at least 12 bits, in any orientation."""
+    monkeypatch.setenv("SEATER_MARKER_FAMILIES", str(Path(__file__).resolve().parents[3] / "config/marker_families"))
+    codes = marker_family("ARUCO_MIP_36h12").codes
+    assert codes.shape == (250, 6, 6)
+    for turn in range(4):
+        distances = np.sum(codes[:, None] != np.rot90(codes, turn, (1, 2))[None], axis=(2, 3))
+        least = distances if turn else distances + 36 * np.eye(250, dtype=int)
+        assert least.min() >= 12
+
+
 @pytest.mark.parametrize("marker_id", [-1, 50])
 def test_an_unknown_id_is_refused(marker_id: int) -> None:
     with pytest.raises(ValueError, match=rf"markers: id {marker_id} is not in DICT_4X4_50 \(0\.\.49\)"):

@@ -130,6 +130,48 @@ TEST_F(FamilyFolder, aFileIsFoundByItsName) {
   EXPECT_EQ(loadDockLayout(dock, "dock").family.name(), "small");
 }
 
+TEST_F(FamilyFolder, aDictionaryOfOpenCvIsRead) {
+  const auto drawn = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_50);
+  const std::string path = folder_ / "custom.yml";
+  {
+    cv::FileStorage file(path, cv::FileStorage::WRITE);
+    file << "nmarkers" << 50 << "markersize" << 5 << "maxCorrectionBits" << 3;
+    for (int id = 0; id < 50; ++id) {
+      const cv::Mat bits = cv::aruco::Dictionary::getBitsFromByteList(drawn->bytesList.row(id), 5);
+      std::string text;
+      for (const uchar bit : cv::Mat_<uchar>(bits)) text += bit ? '1' : '0';
+      file << "marker_" + std::to_string(id) << text;
+    }
+  }
+  const MarkerFamily predefined = MarkerFamily::named("5X5_50");
+  EXPECT_EQ(predefined.name(), "DICT_5X5_50");
+  for (const MarkerFamily& family : {MarkerFamily::named("custom"), MarkerFamily::named(path)}) {
+    EXPECT_EQ(family.name(), "custom");
+    EXPECT_EQ(family.correctableBits(), 3);
+    ASSERT_EQ(family.count(), 50);
+    for (int id = 0; id < 50; ++id) EXPECT_EQ(family.code(id), predefined.code(id)) << id;
+  }
+  std::ofstream(path) << "nmarkers: 2\nmarkersize: 3\nmaxCorrectionBits: 0\nmarker_0: '110010001'\n";
+  try {
+    MarkerFamily::named("custom");
+    FAIL();
+  } catch (const ConfigurationError& error) {
+    EXPECT_NE(std::string(error.what()).find("custom.yml/marker_1: is missing"), std::string::npos) << error.what();
+  }
+}
+
+// config/marker_families, against what is published of it: 250 codes that differ by 12 bits.
+TEST(MarkerFamily, recommendedFamilyOfAruco) {
+  setenv("SEATER_MARKER_FAMILIES", SEATER_CONFIG_DIR "/marker_families", 1);
+  const MarkerFamily family = MarkerFamily::named("ARUCO_MIP_36h12");
+  unsetenv("SEATER_MARKER_FAMILIES");
+  EXPECT_EQ(family.name(), "DICT_ARUCO_MIP_36h12");
+  EXPECT_EQ(family.count(), 250);
+  EXPECT_EQ(family.bits(), 6);
+  EXPECT_EQ(family.correctableBits(), 5);  // load has checked that they differ by 11 or more
+  expectFound(family, PerceptionParameters());
+}
+
 TEST_F(FamilyFolder, aFamilyOfAFileIsDetected) {
   PerceptionParameters parameters;
   for (const char* search : {"own", "opencv"}) {

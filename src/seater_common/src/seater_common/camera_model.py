@@ -12,16 +12,21 @@ from typing import Any
 
 import cv2
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
-from seater_common.params import ParameterError
+from seater_common.params import ParameterError, read_yaml
 
 Array = NDArray[np.float64]
 
 COEFFICIENTS = {"plumb_bob": (4, 5), "rational_polynomial": (4, 5, 8, 12, 14), "equidistant": (4,)}
 # librealsense's names, whose formulas are not OpenCV's: without distortion only.
 STRAIGHT = ("none", "brown_conrady", "inverse_brown_conrady", "modified_brown_conrady")
+_OPENCV_NAMES = {  # of OpenCV's tutorials
+    "camera_matrix": ("Camera_Matrix", "cameraMatrix", "K"),
+    "distortion_coefficients": ("Distortion_Coefficients", "distCoeffs", "dist_coeffs", "D"),
+    "image_width": ("image_Width",),
+    "image_height": ("image_Height",),
+}
 _INVERTIBLE = 0.5  # [px] a ray that is projected farther from its pixel is not the pixel's
 _WIDEST = np.tan(1.5)  # of a ray, which is x / z and has no end at 90 degrees
 _PRECISE = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-10)
@@ -130,13 +135,7 @@ def read_calibration(path: str | Path) -> dict[str, Any]:
     Raises:
         ParameterError: the file cannot be read.
     """
-    try:
-        text = Path(path).read_text()
-        if text.startswith("%YAML:"):  # OpenCV's first line, which is no YAML
-            text = text.partition("\n")[2]
-        values = yaml.load(text, _Loader)
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ParameterError(f"cannot read {path}: {error}") from error
+    values = read_yaml(path)
     if not isinstance(values, dict):
         raise ParameterError(f"{path}: is {values!r:.50}, must be a mapping (a camera_info file)")
     for key, others in _OPENCV_NAMES.items():
@@ -147,19 +146,6 @@ def read_calibration(path: str | Path) -> dict[str, Any]:
         usual = "plumb_bob" if len(D.get("data") or []) <= 5 else "rational_polynomial"
         values["distortion_model"] = "equidistant" if values.get("fisheye_model") == 1 else usual
     return values
-
-
-class _Loader(yaml.SafeLoader):
-    """Knows OpenCV's matrices."""
-
-
-_Loader.add_constructor("tag:yaml.org,2002:opencv-matrix", lambda loader, node: loader.construct_mapping(node, True))
-_OPENCV_NAMES = {  # of OpenCV's tutorials
-    "camera_matrix": ("Camera_Matrix", "cameraMatrix", "K"),
-    "distortion_coefficients": ("Distortion_Coefficients", "distCoeffs", "dist_coeffs", "D"),
-    "image_width": ("image_Width",),
-    "image_height": ("image_Height",),
-}
 
 
 def _lens(values: Mapping[str, Any], prefix: str) -> tuple[str, Array]:

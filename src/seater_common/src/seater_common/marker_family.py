@@ -1,8 +1,8 @@
 """Marker families: which cells of each print are white.
 
-A family has a name: one of OpenCV's predefined dictionaries (DICT_4X4_50 ...), or a file <name>.yaml in one of the
-folders that the environment variable SEATER_MARKER_FAMILIES lists, separated by colons (config/marker_families, whose
-README.md describes the file). seater_perception::MarkerFamily reads the same names and files.
+A family has a name: one of OpenCV's predefined dictionaries (DICT_4X4_50 ...), or a file <name>.yaml (or .yml) in one
+of the folders that the environment variable SEATER_MARKER_FAMILIES lists, separated by colons (config/marker_families,
+whose README.md describes the file). seater_perception::MarkerFamily reads the same names and files.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ import re
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
-from seater_common.params import ParameterError, load, param
+from seater_common.params import ParameterError, load, param, read_yaml
 
 Image = NDArray[np.uint8]
 FOLDERS = "SEATER_MARKER_FAMILIES"
@@ -105,7 +105,7 @@ def predefined_names() -> list[str]:
 def family_files() -> list[Path]:
     """All family files in the order of the folders, by name within each."""
     folders = [Path(folder) for folder in os.environ.get(FOLDERS, "").split(":") if folder]
-    return [path for folder in folders for path in sorted(folder.glob("*.yaml"))]
+    return [path for folder in folders for path in sorted([*folder.glob("*.yaml"), *folder.glob("*.yml")])]
 
 
 def load_family(path: str | Path) -> MarkerFamily:
@@ -114,14 +114,27 @@ def load_family(path: str | Path) -> MarkerFamily:
     Raises:
         ParameterError: naming the file and every key that is missing, unknown or wrong.
     """
-    try:
-        values = yaml.safe_load(Path(path).read_text())
-    except (OSError, yaml.YAMLError) as error:
-        raise ParameterError(f"cannot read {path}: {error}") from error
+    values = read_yaml(path)
+    if isinstance(values, dict) and "nmarkers" in values:
+        values = _of_opencv(values, path)
     read = load(FamilyFile, values, str(path))
     codes = [[int(bit) for bit in code.replace(" ", "")] for code in read.codes]
     shape = (len(codes), read.bits, read.bits)
     return MarkerFamily(Path(path).stem, np.array(codes, np.uint8).reshape(shape), read.border, read.correctable_bits)
+
+
+def _of_opencv(values: dict[str, Any], path: str | Path) -> dict[str, Any]:
+    """From the keys that cv::aruco::Dictionary::writeDictionary writes to those of FamilyFile."""
+    try:
+        codes = [values[f"marker_{i}"] for i in range(values["nmarkers"])]
+        return {
+            "bits": values["markersize"],
+            "correctable_bits": values["maxCorrectionBits"],
+            "border": 1,
+            "codes": codes,
+        }
+    except (KeyError, TypeError) as error:
+        raise ParameterError(f"{path}: is no dictionary of OpenCV: {error} is missing or wrong") from None
 
 
 def marker_family(name: str) -> MarkerFamily:
@@ -130,10 +143,12 @@ def marker_family(name: str) -> MarkerFamily:
     Raises:
         ParameterError: the name is not known, or its file is wrong.
     """
-    if name in predefined_names():
-        return predefined(name)
+    names = (name, f"DICT_{name}")  # people leave it out
+    for known in predefined_names():
+        if known in names:
+            return predefined(known)
     for path in family_files():
-        if path.stem == name:
+        if path.stem in names:
             return load_family(path)
     known = ", ".join(predefined_names() + [path.stem for path in family_files()])
     raise ParameterError(f"dictionary: is {name!r}, must be one of {known} (files of {FOLDERS})")

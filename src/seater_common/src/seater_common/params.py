@@ -19,7 +19,10 @@ import math
 import types
 import typing
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, TypeVar
+
+import yaml
 
 T = TypeVar("T")
 
@@ -43,6 +46,28 @@ def param(
     if isinstance(default, list | dict):
         return dataclasses.field(default_factory=lambda: type(default)(default), metadata=metadata)
     return dataclasses.field(default=default, metadata=metadata)
+
+
+class _Loader(yaml.SafeLoader):
+    """Knows OpenCV's matrices."""
+
+
+_Loader.add_constructor("tag:yaml.org,2002:opencv-matrix", lambda loader, node: loader.construct_mapping(node, True))
+
+
+def read_yaml(path: str | Path) -> Any:
+    """What a YAML file holds; also one that OpenCV's FileStorage has written.
+
+    Raises:
+        ParameterError: naming the file, which cannot be read.
+    """
+    try:
+        text = Path(path).read_text()
+        if text.startswith("%YAML:"):  # OpenCV's first line, which is no YAML
+            text = text.partition("\n")[2]
+        return yaml.load(text, _Loader)
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ParameterError(f"cannot read {path}: {error}") from error
 
 
 def load(cls: type[T], values: Any, prefix: str) -> T:

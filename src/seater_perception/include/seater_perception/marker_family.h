@@ -14,10 +14,11 @@ using MarkerCode = std::vector<std::vector<int>>;
 /// A family of square markers: a code for each id inside a black border. All that the detector knows of a print comes
 /// from here. A copy shares the codes and costs nothing.
 ///
-/// A family has a name: one of OpenCV's predefined dictionaries (DICT_4X4_50 ...), or a file <name>.yaml in one of the
-/// folders that the environment variable SEATER_MARKER_FAMILIES lists, separated by colons; the workspace's setup.bash
-/// puts config/marker_families there. That folder's README.md describes the file. Adding such a file is all that a new
-/// family takes: the simulator and the evaluation read the same one (seater_common.marker_family).
+/// A family has a name: one of OpenCV's predefined dictionaries (DICT_4X4_50 ...), or a file <name>.yaml (or .yml, such
+/// as cv::aruco::Dictionary::writeDictionary writes) in one of the folders that the environment variable
+/// SEATER_MARKER_FAMILIES lists, separated by colons; the workspace's setup.bash puts config/marker_families there.
+/// That folder's README.md describes the file. Adding such a file is all that a new family takes: the simulator and the
+/// evaluation read the same one (seater_common.marker_family).
 class MarkerFamily {
  public:
   static constexpr int kFewestBits = 3, kMostBits = 8;  ///< along a side, of a family given as data
@@ -30,7 +31,8 @@ class MarkerFamily {
   /// first one's size.
   MarkerFamily(const std::string& name, const std::vector<MarkerCode>& codes, int border, int correctable_bits);
 
-  /// By its name. Throws ConfigurationError that begins with `key` for an unknown name, and as `load` does.
+  /// By its name, with or without DICT_, or by its file's path, which ends in .yaml or .yml. Throws ConfigurationError
+  /// that begins with `key` for an unknown name, and as `load` does.
   static MarkerFamily named(const std::string& name, const std::string& key = "dictionary");
   /// From a family file; its name is the file's. Throws ConfigurationError naming file and key, also when two codes (or
   /// one and itself, turned) differ by too few bits to be told apart after correction, as some of OpenCV's

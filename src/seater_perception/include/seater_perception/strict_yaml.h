@@ -50,6 +50,10 @@ class StrictReader {
   std::set<std::string> taken_;
 };
 
+/// A YAML file; also one that OpenCV's FileStorage has written, whose first line, "%YAML:1.0", is no YAML. Throws
+/// ConfigurationError naming the file.
+YAML::Node loadYamlFile(const std::string& path);
+
 /// Throws ConfigurationError when there are problems; `what` is its first line.
 void throwProblems(const std::vector<std::string>& problems, const std::string& what);
 

@@ -1,6 +1,7 @@
 #include "seater_perception/strict_yaml.h"
 
 #include <cmath>
+#include <fstream>
 #include <sstream>
 
 #include "seater_perception/errors.h"
@@ -25,6 +26,20 @@ std::string shown(const YAML::Node& node) {
 bool readNumber(const YAML::Node& node, double& value) {
   if (!node.IsScalar() || isQuoted(node)) return false;
   return YAML::convert<double>::decode(node, value) && std::isfinite(value);
+}
+
+YAML::Node loadYamlFile(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file) throw ConfigurationError(path + ": cannot be read");
+  std::string content = text.str();
+  if (content.rfind("%YAML:", 0) == 0) content.erase(0, content.find('\n'));
+  try {
+    return YAML::Load(content);
+  } catch (const YAML::Exception& error) {
+    throw ConfigurationError(path + ": cannot be read as YAML: " + error.what());
+  }
 }
 
 void throwProblems(const std::vector<std::string>& problems, const std::string& what) {

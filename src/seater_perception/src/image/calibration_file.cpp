@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 
 #include "seater_perception/camera_model.h"
 #include "seater_perception/errors.h"
@@ -15,21 +13,6 @@ using Names = std::vector<const char*>;
 const Names kMatrix = {"camera_matrix", "Camera_Matrix", "cameraMatrix", "K"};
 const Names kDistortion = {"distortion_coefficients", "Distortion_Coefficients", "distCoeffs", "dist_coeffs", "D"};
 const Names kWidth = {"image_width", "image_Width"}, kHeight = {"image_height", "image_Height"};
-
-/// OpenCV's FileStorage begins with "%YAML:1.0", which is no YAML; all after it is.
-YAML::Node loadYaml(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw ConfigurationError(path + ": cannot be opened");
-  std::ostringstream text;
-  text << file.rdbuf();
-  std::string content = text.str();
-  if (content.rfind("%YAML:", 0) == 0) content.erase(0, content.find('\n'));
-  try {
-    return YAML::Load(content);
-  } catch (const YAML::Exception& error) {
-    throw ConfigurationError(path + ": cannot be read as YAML: " + error.what());
-  }
-}
 
 /// The name that the file has; the first one, which is then said to be missing, when it has none.
 const char* nameIn(const YAML::Node& root, const Names& names) {
@@ -66,7 +49,7 @@ std::string readModel(StrictReader& file, const YAML::Node& root, std::size_t co
 }  // namespace
 
 Calibration loadCalibration(const std::string& path) {
-  const YAML::Node root = loadYaml(path);
+  const YAML::Node root = loadYamlFile(path);
   std::vector<std::string> problems;
   StrictReader file(root, path, problems);
   Calibration c;

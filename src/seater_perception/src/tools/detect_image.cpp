@@ -10,6 +10,7 @@
 #include "seater_perception/draw.h"
 #include "seater_perception/errors.h"
 #include "seater_perception/report.h"
+#include "seater_perception/strict_yaml.h"
 
 namespace {
 
@@ -104,14 +105,6 @@ Options parse(const std::vector<std::string>& arguments) {
   return o;
 }
 
-YAML::Node readYaml(const std::string& path) {
-  try {
-    return YAML::LoadFile(path);
-  } catch (const YAML::Exception& error) {
-    throw ConfigurationError(path + ": cannot be read as YAML: " + error.what());
-  }
-}
-
 DockLayout layoutFrom(const Options& o) {
   if (o.markers.empty()) {
     if (o.dictionary.empty() || o.size == 0.0) {
@@ -119,7 +112,7 @@ DockLayout layoutFrom(const Options& o) {
     }
     return layoutOfEqualMarkers(o.dictionary, o.size);
   }
-  YAML::Node node = readYaml(o.markers);
+  YAML::Node node = loadYamlFile(o.markers);
   if (!o.dictionary.empty() && node.IsMap()) node["dictionary"] = o.dictionary;
   DockLayout layout = loadDockLayout(node, o.markers);
   if (o.size != 0.0) layout.size_of_others = layoutOfEqualMarkers(layout.family, o.size).size_of_others;
@@ -131,7 +124,7 @@ DockDetector detectorFrom(const Options& o) {
   if (o.images.empty()) throw ConfigurationError("no image given; see --help");
   const Calibration calibration = loadCalibration(o.camera);
   PerceptionParameters parameters;
-  if (!o.parameters.empty()) parameters = loadPerceptionParameters(readYaml(o.parameters), o.parameters);
+  if (!o.parameters.empty()) parameters = loadPerceptionParameters(loadYamlFile(o.parameters), o.parameters);
   if (!o.selection.empty()) {
     if (o.selection != "bundle" && o.selection != "lowest_id") {
       throw ConfigurationError("--selection: is '" + o.selection + "', must be one of bundle, lowest_id");
