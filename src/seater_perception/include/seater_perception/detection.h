@@ -50,12 +50,21 @@ struct DetectedMarker {
   Matrix6d covariance() const { return mixtureCovariance(hypotheses); }
 };
 
+/// A marker in the image, of which no pose is known.
+struct PlainMarker {
+  int id = 0;
+  std::array<Eigen::Vector2d, 4> corners;  ///< as of DetectedMarker [px]
+};
+
 /// What one image shows.
 struct DetectionResult {
   std::vector<DetectedMarker> markers;  ///< ascending id
   std::vector<DockHypothesis> dock;     ///< most probable first; empty when the dock is not seen
   int refused = 0;                      ///< markers of the layout that were found, but whose pose was not believable
-  bool full_search = true;              ///< false: only the predicted places were searched
+  /// Ids of the layout that stand at several places, at each of them (full search): not among the markers and no part
+  /// of the dock's pose, for nothing tells which one is meant.
+  std::vector<PlainMarker> repeated;
+  bool full_search = true;  ///< false: only the predicted places were searched
 };
 
 }  // namespace seater_perception

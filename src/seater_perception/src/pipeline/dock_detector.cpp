@@ -19,7 +19,10 @@ DockDetector::DockDetector(DockDetector&&) noexcept = default;
 DetectionResult DockDetector::detect(const cv::Mat& grey) {
   DetectionPipeline& pipeline = implementation_->pipeline;
   checkImage(grey, pipeline.camera());
-  return resultOf(pipeline.evaluate(pipeline.search().detect(grey)), true);
+  const SearchResult found = pipeline.search().detect(grey);
+  DetectionResult result = resultOf(pipeline.evaluate(found), true);
+  for (const MarkerCorners& marker : found.repeated) result.repeated.push_back({marker.id, marker.corners});
+  return result;
 }
 
 const CameraModel& DockDetector::camera() const {

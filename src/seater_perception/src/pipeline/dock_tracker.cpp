@@ -135,6 +135,7 @@ DetectionResult DockTracker::Implementation::detect(const cv::Mat& grey,
   checkImage(grey, pipeline_.camera());
   const auto wanted = parameters_.enabled ? expected(predict(T_now_last)) : std::vector<ExpectedMarker>();
   ImageEstimate estimate;
+  std::vector<MarkerCorners> repeated;
   bool full_search = true;
   if (!wanted.empty() && since_full_search_ + 1 < parameters_.full_search_every) {
     estimate = pipeline_.evaluate(pipeline_.search().searchNear(grey, wanted), lastMarkers(T_now_last));
@@ -143,6 +144,7 @@ DetectionResult DockTracker::Implementation::detect(const cv::Mat& grey,
   if (full_search) {
     const SearchResult found = pipeline_.search().detect(grey, wanted, empty_ % kShadowsEvery == 0);
     doubtful_ = found.doubtful;
+    repeated = found.repeated;
     estimate = pipeline_.evaluate(found);
   }
   since_full_search_ = full_search ? 0 : since_full_search_ + 1;
@@ -150,7 +152,9 @@ DetectionResult DockTracker::Implementation::detect(const cv::Mat& grey,
   before_.clear();
   for (const MarkerEstimate& m : last_.markers) before_[m.image.id] = m.image.corners;
   last_ = estimate;
-  return resultOf(estimate, full_search);
+  DetectionResult result = resultOf(estimate, full_search);
+  for (const MarkerCorners& marker : repeated) result.repeated.push_back({marker.id, marker.corners});
+  return result;
 }
 
 DockTracker::DockTracker(const CameraModel& camera, const DockLayout& layout, const PerceptionParameters& parameters,

@@ -145,6 +145,9 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     std::optional<Eigen::Isometry3d> T_now_last;
     if (odometry_) T_now_last = odometry_->next(header.frame_id, header.stamp);
     const DetectionResult result = detector_->detect(grey, T_now_last);
+    if (!result.repeated.empty()) {
+      NODELET_WARN_THROTTLE(10.0, "marker %d is seen at several places: none of them is used", result.repeated[0].id);
+    }
     seater_msgs::MarkerDetectionArray message = toMessage(result, header);
     message.processing_time = std::chrono::duration<double>(Clock::now() - begin).count();
     detections_.publish(message);

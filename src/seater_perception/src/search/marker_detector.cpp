@@ -27,8 +27,9 @@ constexpr int kNarrowWindow = 7;  // [px]
 /// Markers on their way to a result.
 struct Found {
   std::vector<MarkerCorners> markers;
-  std::set<int> coarse;    // whose corners have still to be refined
-  std::set<int> doubtful;  // seen at two places
+  std::set<int> coarse;                 // whose corners have still to be refined
+  std::vector<MarkerCorners> repeated;  // of the ids that are seen at several places, each of them
+  std::set<int> doubtful;               // these ids
 };
 
 MarkerCorners cornersOf(const DecodedMarker& decoded) {
@@ -46,27 +47,28 @@ const MarkerFamily& requireMarkers(const MarkerFamily& family) {
   return family;
 }
 
-/// One marker per id. Two outlines of the same print (its inner and outer contour) overlap: the larger one is the
-/// marker's.
-std::vector<MarkerCorners> uniqueMarkers(const std::vector<MarkerCorners>& found, std::set<int>& doubtful_ids) {
-  std::map<int, MarkerCorners> best;
-  std::map<int, bool> doubtful;
-  for (const MarkerCorners& marker : found) {
-    const auto [place, is_new] = best.emplace(marker.id, marker);
-    if (is_new) continue;
-    MarkerCorners& other = place->second;
+/// Two outlines of the same print (its inner and outer contour) overlap: the larger one is the marker's.
+void addPlace(const MarkerCorners& marker, std::vector<MarkerCorners>& places) {
+  for (MarkerCorners& other : places) {
     const double larger = std::max(marker.side(), other.side());
-    if ((centre(marker.corners) - centre(other.corners)).norm() > 0.5 * larger) doubtful[marker.id] = true;
+    if ((centre(marker.corners) - centre(other.corners)).norm() > 0.5 * larger) continue;
     if (marker.side() > other.side()) other = marker;
+    return;
   }
-  std::vector<MarkerCorners> unique;
-  for (const auto& [id, marker] : best) {
-    if (!doubtful.count(id))
-      unique.push_back(marker);
-    else
-      doubtful_ids.insert(id);
+  places.push_back(marker);
+}
+
+/// One marker per id; those of ids that stand at several places are apart.
+Found sorted(const std::vector<MarkerCorners>& found) {
+  std::map<int, std::vector<MarkerCorners>> places;
+  for (const MarkerCorners& marker : found) addPlace(marker, places[marker.id]);
+  Found result;
+  for (const auto& [id, markers] : places) {
+    auto& kind = markers.size() == 1 ? result.markers : result.repeated;
+    kind.insert(kind.end(), markers.begin(), markers.end());
+    if (markers.size() > 1) result.doubtful.insert(id);
   }
-  return unique;
+  return result;
 }
 
 }  // namespace
@@ -77,7 +79,7 @@ struct MarkerDetector::Implementation {
   MarkerDecoder decoder;
   OpenCvSearch opencv;
 
-  std::vector<MarkerCorners> search(const ImageLevels& image, std::set<int>& doubtful, bool strong_shadows) const;
+  Found search(const ImageLevels& image, bool strong_shadows) const;
   void searchNear(const ImageLevels& image, const std::vector<ExpectedMarker>& expected, Found& found) const;
   SearchResult finish(const cv::Mat& grey, Found& found) const;
   std::vector<MarkerCorners> byOwnSearch(const ImageLevels& image, const cv::Rect& region, bool strong_shadows) const;
@@ -108,13 +110,12 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const Ima
 }
 
 /// All of the image.
-std::vector<MarkerCorners> MarkerDetector::Implementation::search(const ImageLevels& image, std::set<int>& doubtful,
-                                                                  bool strong_shadows) const {
-  if (parameters.search != "own") return uniqueMarkers(opencv.find(image.grey()), doubtful);
+Found MarkerDetector::Implementation::search(const ImageLevels& image, bool strong_shadows) const {
+  if (parameters.search != "own") return sorted(opencv.find(image.grey()));
   const cv::Rect all(0, 0, image.grey().cols, image.grey().rows);
   std::vector<MarkerCorners> found = byOwnSearch(image, all, false);
   if (found.empty() && strong_shadows) found = byOwnSearch(image, all, true);
-  return uniqueMarkers(found, doubtful);
+  return sorted(found);
 }
 
 /// What can be read, or better than so far, once a shadow's edge across it is taken away.
@@ -170,9 +171,8 @@ std::optional<MarkerCorners> MarkerDetector::Implementation::outlineNear(const I
   const cv::Point last(whole(high.x() + margin + 1.0, width), whole(high.y() + margin + 1.0, height));
   const cv::Rect region(first, last);
   if (region.width < kSmallestRegion || region.height < kSmallestRegion) return std::nullopt;
-  std::set<int> doubtful;
   for (const bool strong_shadows : {false, true}) {
-    for (const MarkerCorners& marker : uniqueMarkers(byOwnSearch(image, region, strong_shadows), doubtful)) {
+    for (const MarkerCorners& marker : sorted(byOwnSearch(image, region, strong_shadows)).markers) {
       if (marker.id == expected.id) return marker;
     }
   }
@@ -204,11 +204,13 @@ SearchResult MarkerDetector::Implementation::finish(const cv::Mat& grey, Found& 
   SearchResult result;
   result.lit = withoutShadows(grey, shadows);
   result.doubtful = found.doubtful;
+  result.repeated = found.repeated;
   result.markers = found.markers;
   std::sort(result.markers.begin(), result.markers.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   for (MarkerCorners& marker : result.markers) {
     if (found.coarse.count(marker.id)) refine(result.lit, marker);
   }
+  for (MarkerCorners& marker : result.repeated) refine(result.lit, marker);
   return result;
 }
 
@@ -224,8 +226,7 @@ SearchResult MarkerDetector::detect(const cv::Mat& grey, const std::vector<Expec
                                     bool strong_shadows) const {
   checkImage(grey);
   const ImageLevels image(grey);
-  Found found;
-  found.markers = implementation_->search(image, found.doubtful, strong_shadows);
+  Found found = implementation_->search(image, strong_shadows);
   for (const MarkerCorners& marker : found.markers) found.coarse.insert(marker.id);
   std::vector<ExpectedMarker> missing;
   for (const ExpectedMarker& e : expected) {

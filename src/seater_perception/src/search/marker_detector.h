@@ -47,7 +47,8 @@ struct SearchResult {
   /// The image without the shadows across these markers, from which grey levels are to be taken; where there is no
   /// shadow, the image itself (memory is shared).
   cv::Mat lit;
-  std::set<int> doubtful;  ///< ids that stand at two places: left out, nothing tells which one is meant
+  std::set<int> doubtful;               ///< ids that stand at two places: left out, nothing tells which one is meant
+  std::vector<MarkerCorners> repeated;  ///< these, at all their places; ascending id
 };
 
 /// Finds markers of one family and refines their corners. Outlines and ids come from findQuads and MarkerDecoder
