@@ -56,6 +56,8 @@ class LaunchFiles(unittest.TestCase):
     def test_record_and_replay(self) -> None:
         self.assertEqual(nodes("record.launch", "bag:=x.bag"), {"/record"})
         self.assertEqual(nodes("replay.launch", "bag:=x.bag"), {"/marker_detector", "/docking", "/replay"})
+        alone = nodes("replay.launch", "bag:=x.bag", "controller:=false")
+        self.assertEqual(alone, {"/marker_detector", "/replay"})
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@
 #include "seater_perception/dock_tracker.h"
 #include "seater_perception/draw.h"
 #include "seater_perception/errors.h"
+#include "stamp_check.h"
 
 namespace seater_perception {
 
@@ -29,6 +30,7 @@ namespace seater_perception {
 class MarkerDetectorNodelet : public nodelet::Nodelet {
  private:
   using Clock = std::chrono::steady_clock;
+  static constexpr double kStampPeriod = 10.0;  // [s] wall time, as image_transport's
 
   void onInit() override {
     try {
@@ -52,6 +54,8 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
       transforms_ = std::make_unique<tf2_ros::TransformListener>(tf_buffer_, nh);
       odometry_ = std::make_unique<OdometryMotion>(tf_buffer_, parameters_.odometry_frame);
     }
+    compressed_.registerCallback([this](const sensor_msgs::CompressedImageConstPtr&) { stamps_.image(); });
+    info_.registerCallback([this](const sensor_msgs::CameraInfoConstPtr&) { stamps_.info(); });
     if (!parameters_.lazy) subscribe();
   }
 
@@ -77,6 +81,8 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
       info_.subscribe(nh, image_transport::getCameraInfoTopic(image), 1, ros::TransportHints().tcpNoDelay());
       synchroniser_ = std::make_unique<Synchroniser>(compressed_, info_, 2);
       synchroniser_->registerCallback(&MarkerDetectorNodelet::onCompressed, this);
+      // image_transport does the same for raw images.
+      stamp_timer_ = nh.createWallTimer(ros::WallDuration(kStampPeriod), &MarkerDetectorNodelet::checkStamps, this);
     }
     subscribed_ = true;
     diagnostics_->setListening(true);
@@ -84,6 +90,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
 
   void unsubscribe() {
     camera_.shutdown();
+    stamp_timer_.stop();
     synchroniser_.reset();
     compressed_.unsubscribe();
     info_.unsubscribe();
@@ -98,7 +105,13 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     });
   }
 
+  void checkStamps(const ros::WallTimerEvent&) {
+    const auto text = stamps_.takeWarning(compressed_.getTopic(), info_.getTopic(), kStampPeriod);
+    if (text) NODELET_WARN("%s", text->c_str());
+  }
+
   void onCompressed(const sensor_msgs::CompressedImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info) {
+    stamps_.pair();
     guarded([&](const Clock::time_point& begin) {
       followCalibration(*info);
       process(toGrey(*image), image->header, begin);
@@ -185,6 +198,8 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   message_filters::Subscriber<sensor_msgs::CompressedImage> compressed_;
   message_filters::Subscriber<sensor_msgs::CameraInfo> info_;
   std::unique_ptr<Synchroniser> synchroniser_;
+  StampCheck stamps_;  // of compressed images
+  ros::WallTimer stamp_timer_;
   ros::Publisher detections_, dock_pose_;
   image_transport::Publisher annotated_;
   std::unique_ptr<Diagnostics> diagnostics_;

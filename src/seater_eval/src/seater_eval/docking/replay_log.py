@@ -1,7 +1,8 @@
 """What a replay found: one line per image, one line per control cycle, and a summary of both.
 
 Times [s] are stamps of the recording; poses (x [m], y [m], heading [rad]) are the dock in odom: the image's dock pose
-taken through the camera mount and the odometry at the image's own time. Where nothing was measured a field is empty.
+taken through the camera mount and the odometry at the image's own time; without odometry, in base_link. Where nothing
+was measured a field is empty.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ class ImageRow:
     stamp: float
     markers: int  # markers found
     dock_seen: int  # 1 when a pose of the dock was found
-    dock_x: float | None  # [m] in odom
+    dock_x: float | None  # [m] in odom, or base_link
     dock_y: float | None
     dock_heading: float | None  # [rad]
     position_sd: float | None  # [m] sqrt of the sum of the position variances, as perception states it
@@ -61,8 +62,10 @@ def write_csv(path: Path, rows: Sequence[Any], row_type: type) -> None:
             writer.writerow(["" if getattr(row, n) is None else getattr(row, n) for n in names])
 
 
-def summarize_replay(images: Sequence[ImageRow], cycles: Sequence[CycleRow], images_in_bag: int) -> dict[str, Any]:
-    """The contents of summary.json.
+def summarize_replay(
+    images: Sequence[ImageRow], cycles: Sequence[CycleRow], images_in_bag: int, frame: str = "odom"
+) -> dict[str, Any]:
+    """The contents of summary.json. `frame`: of the dock's poses.
 
     Pose jitter is the standard deviation of the noise from image to image: rms of second differences / sqrt(6),
     which leaves out steady drift and motion.
@@ -76,6 +79,7 @@ def summarize_replay(images: Sequence[ImageRow], cycles: Sequence[CycleRow], ima
         "dock_detected": len(seen),
         "detection_rate": len(seen) / len(images) if images else 0.0,
         "longest_gap_s": _longest_gap([p.stamp for p in images], [p.stamp for p in seen]),
+        "frame": frame,
         "pose_jitter": _jitter(poses),
         "perception_ms": timing(processing),
         "shadow_controller": _shadow(cycles),
@@ -94,10 +98,12 @@ def replay_table(summary: dict[str, Any]) -> str:
         ),
     ]
     if jitter is not None:
-        text = f"{1e3 * jitter['position_m']:.2f} mm, {jitter['heading_deg']:.3f} deg (dock in odom, image to image)"
-        rows.append(("pose jitter (1 sd)", text))
+        text = f"{1e3 * jitter['position_m']:.2f} mm, {jitter['heading_deg']:.3f} deg"
+        rows.append(("pose jitter (1 sd)", f"{text} (dock in {summary['frame']}, image to image)"))
+    rows.append(("perception per image", f"{timing_text(summary['perception_ms'])} (wall time)"))
+    if not shadow["cycles"]:
+        return text_list(rows)
     rows += [
-        ("perception per image", f"{timing_text(summary['perception_ms'])} (wall time)"),
         ("shadow controller", f"{shadow['cycles']} cycles, solve {timing_text(shadow['solve_ms'])}"),
         ("would have asked for", f"at most {shadow['v_max']:.2f} m/s and {shadow['omega_max']:.2f} rad/s"),
     ]

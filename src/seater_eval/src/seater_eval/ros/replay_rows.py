@@ -13,7 +13,8 @@ from seater_eval.docking.replay_log import CycleRow, ImageRow
 from seater_msgs.msg import ControllerStatus, MarkerDetectionArray
 
 
-def image_row(message: MarkerDetectionArray, poses: np.ndarray, T_base_optical: np.ndarray) -> ImageRow:
+def image_row(message: MarkerDetectionArray, poses: np.ndarray | None, T_base_optical: np.ndarray) -> ImageRow:
+    """`poses`: (n, 4) time, x, y, heading of base_link in odom; None: the dock is given in base_link."""
     stamp = message.header.stamp.to_sec()
     row = ImageRow(stamp, len(message.markers), int(bool(message.dock)), None, None, None, None,
                      1e3 * message.processing_time)  # fmt: skip
@@ -24,7 +25,8 @@ def image_row(message: MarkerDetectionArray, poses: np.ndarray, T_base_optical: 
     T_optical_dock = np.eye(4)
     T_optical_dock[:3, :3] = rotation_matrix(q.x, q.y, q.z, q.w)
     T_optical_dock[:3, 3] = [p.x, p.y, p.z]
-    pose = planar_pose(pose_matrix(pose_at(poses, stamp)) @ T_base_optical @ T_optical_dock)
+    T_frame_base = np.eye(4) if poses is None else pose_matrix(pose_at(poses, stamp))
+    pose = planar_pose(T_frame_base @ T_base_optical @ T_optical_dock)
     row.dock_x, row.dock_y, row.dock_heading = (float(v) for v in pose)
     row.position_sd = math.sqrt(sum(estimate.covariance[i * 7] for i in range(3)))
     return row

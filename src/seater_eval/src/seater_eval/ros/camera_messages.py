@@ -1,0 +1,32 @@
+"""Messages of a camera that a recording lacks: made of a calibration file, or of a compressed image."""
+
+from __future__ import annotations
+
+import sys
+
+import cv2
+import numpy as np
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+
+from seater_common.camera_model import CameraModel
+
+
+def info_message(camera: CameraModel) -> CameraInfo:
+    """Without a header."""
+    info = CameraInfo(width=camera.width, height=camera.height, distortion_model=camera.distortion_model)
+    info.D = camera.D.tolist()
+    info.K, info.R, info.P = (matrix.ravel().tolist() for matrix in (camera.K, camera.R, camera.P))
+    return info
+
+
+def decoded(message: CompressedImage) -> Image | None:
+    """Its grey levels, of 8 or 16 bits as the detector decodes them; None when it cannot be decoded."""
+    data = np.frombuffer(message.data, np.uint8)
+    grey = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE | cv2.IMREAD_ANYDEPTH) if len(data) else None
+    if grey is None or grey.dtype not in (np.uint8, np.uint16):
+        return None
+    image = Image(header=message.header, height=grey.shape[0], width=grey.shape[1], step=grey.strides[0])
+    image.encoding = "mono8" if grey.dtype == np.uint8 else "mono16"
+    image.is_bigendian = int(sys.byteorder == "big")
+    image.data = grey.tobytes()
+    return image
