@@ -11,6 +11,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+import yaml
 
 import seater_perception as sp
 
@@ -219,6 +220,38 @@ def test_files_of_opencv(tmp_path: Path, image: Path) -> None:
     (result,) = found(*options, image)
     assert [m["id"] for m in result["markers"]] == [1]
     assert result["markers"][0]["position"][2] == pytest.approx(0.1 * 500.0 / 128.0, rel=2e-3)
+
+
+def test_what_is_refused_is_named(tmp_path: Path) -> None:
+    """A marker of the dock, one of another, one too small, and a dark square; then a bar that none reaches."""
+    image = drawn({(200, 300): ("DICT_4X4_50", 3), (600, 300): ("DICT_4X4_50", 9)})
+    small = drawn({(50, 50): ("DICT_4X4_50", 5)}, side=96)[:200, :200]
+    image[60:89, 1000:1029] = cv2.resize(small, (29, 29), interpolation=cv2.INTER_AREA)  # 14 px
+    image[500:600, 300:400] = 40
+    cv2.imwrite(str(tmp_path / "a.png"), image)
+    marker = {"id": 3, "size": 0.1, "position": [1.0, 0.0, 0.7], "normal_yaw": 3.1}
+    (tmp_path / "dock.yaml").write_text(yaml.safe_dump({"dictionary": "DICT_4X4_50", "markers": [marker]}))
+    parameters = yaml.safe_load((CONFIG / "perception.yaml").read_text())
+    parameters["detector"]["min_side"] = 16.0
+    (tmp_path / "p.yaml").write_text(yaml.safe_dump(parameters))
+    options = ("--camera", CAMERA, "--markers", tmp_path / "dock.yaml", "--parameters", tmp_path / "p.yaml")
+    (result,) = found(*options, tmp_path / "a.png")
+    assert [m["id"] for m in result["markers"]] == [3]
+    why = {c["id"]: c for c in result["refused_candidates"]}
+    assert why[9]["why"] == "the dock has no such id"
+    assert np.abs(np.array(why[9]["corners"]) - corners_at(600, 300)).max() < 0.1
+    assert "px is below detector/min_side, 16.0 px" in why[5]["why"]
+    assert why[None]["why"] == "no code of the dictionary shows"
+    assert np.abs(np.mean(why[None]["corners"], axis=0) - [349.5, 549.5]).max() < 1.0
+    assert 3 not in why
+    text = run(*options, tmp_path / "a.png").stdout
+    assert "refused: what may be marker 9 at (599.5, 299.5): the dock has no such id" in text
+    parameters["detector"] |= {"min_side": 11.0, "min_evidence": 20.0}
+    (tmp_path / "p.yaml").write_text(yaml.safe_dump(parameters))
+    (result,) = found(*DICTIONARY, "--parameters", tmp_path / "p.yaml", tmp_path / "a.png")
+    assert result["markers"] == []
+    why = {c["id"]: c["why"] for c in result["refused_candidates"]}
+    assert "is too small (detector/min_evidence 20.0)" in why[3]
 
 
 @pytest.mark.parametrize(

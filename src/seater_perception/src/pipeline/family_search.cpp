@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace seater_perception {
 namespace {
@@ -54,6 +55,29 @@ std::vector<PlainMarker> plain(const SearchResult& found) {
   return markers;
 }
 
+std::string reasonOf(const JudgedOutline& outline, const DetectorParameters& parameters) {
+  char text[160] = "no code of the dictionary shows";
+  if (outline.id && outline.side < parameters.min_side) {
+    std::snprintf(text, sizeof(text), "its side of %.1f px is below detector/min_side, %.1f px", outline.side,
+                  parameters.min_side);
+  } else if (outline.id && !outline.decoded) {
+    std::snprintf(text, sizeof(text), "the evidence of its code, %.1f, is too small (detector/min_evidence %.1f)",
+                  outline.evidence, parameters.min_evidence);
+  } else if (outline.id) {
+    std::snprintf(text, sizeof(text), "its code shows, but its edges do not confirm it");
+  }
+  return text;
+}
+
+/// Inner outlines of a print, and its white cells' neighbours, are no candidates of their own.
+bool isWithin(const Quad& corners, const std::vector<PlainMarker>& markers) {
+  const PlainMarker candidate{0, corners};
+  return std::any_of(markers.begin(), markers.end(), [&](const PlainMarker& m) {
+    const double half = 0.5 * std::max((m.corners[0] - m.corners[2]).norm(), (m.corners[1] - m.corners[3]).norm());
+    return (centreOf(m) - centreOf(candidate)).norm() < half;
+  });
+}
+
 }  // namespace
 
 std::vector<MarkerFamily> allFamilies() {
@@ -70,7 +94,7 @@ std::vector<MarkerFamily> allFamilies() {
 }
 
 FamilySearch::FamilySearch(const std::vector<MarkerFamily>& families, const DetectorParameters& parameters)
-    : families_(families) {
+    : parameters_(parameters), families_(families), judge_(families.front(), parameters) {
   for (const MarkerFamily& family : families) detectors_.emplace_back(family, parameters);
 }
 
@@ -97,6 +121,15 @@ std::vector<FamilyMarkers> FamilySearch::detect(const cv::Mat& grey) const {
     if (!left.empty()) kept.push_back({smallest(candidate.family, left), left});
   }
   return kept;
+}
+
+std::vector<RefusedCandidate> FamilySearch::refusals(const cv::Mat& grey, const std::vector<PlainMarker>& found) const {
+  std::vector<RefusedCandidate> refused;
+  for (const JudgedOutline& outline : judge_.judge(grey)) {
+    if (isWithin(outline.corners, found)) continue;
+    refused.push_back({outline.corners, outline.id, reasonOf(outline, parameters_)});
+  }
+  return refused;
 }
 
 }  // namespace seater_perception

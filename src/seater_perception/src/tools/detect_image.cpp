@@ -64,11 +64,14 @@ void reportPlain(const Options& o, const cv::Mat& grey, const std::vector<PlainM
   print(o, describe(markers, notes), describeJson(markers, notes));
 }
 
-void reportPoses(const Options& o, const cv::Mat& grey, DockDetector& detector, bool several, ImageNotes notes) {
+void reportPoses(const Options& o, const cv::Mat& grey, Detectors& detectors, const MarkerFamily& family, bool several,
+                 ImageNotes notes) {
+  DockDetector& detector = detectors.of(family, grey.size());
   requireSize(grey, detector.camera());
   const Clock::time_point begin = Clock::now();
   const DetectionResult result = detector.detect(grey);
   notes.detection += secondsSince(begin);
+  notes.refused = detectors.refusals(grey, result);
   if (o.approximate()) notes.fov = o.fov;
   if (!o.draw.empty()) {
     notes.drawing = drawn(o, notes, annotate(grey, detector.camera(), detector.layout(), result), several);
@@ -84,19 +87,21 @@ void workThrough(const Options& o, Detectors& detectors, const std::string& name
   notes.turned = image.turned;
   notes.reading = secondsSince(begin);
   if (!detectors.search()) {
-    reportPoses(o, image.grey, detectors.of(detectors.family(), image.grey.size()), false, notes);
+    reportPoses(o, image.grey, detectors, detectors.family(), false, notes);
     return;
   }
   const Clock::time_point search = Clock::now();
   const std::vector<FamilyMarkers> found = detectors.search()->detect(image.grey);
   notes.detection = secondsSince(search);
+  if (found.empty()) notes.refused = detectors.refusals(image.grey, std::vector<PlainMarker>());
   if (found.empty()) reportPlain(o, image.grey, {}, false, notes);
   for (const FamilyMarkers& seen : found) {
     if (o.dictionary == "any") notes.dictionary = seen.family.name();
     if (o.plain()) {
+      notes.refused = detectors.refusals(image.grey, seen.markers);
       reportPlain(o, image.grey, seen.markers, found.size() > 1, notes);
     } else {
-      reportPoses(o, image.grey, detectors.of(seen.family, image.grey.size()), found.size() > 1, notes);
+      reportPoses(o, image.grey, detectors, seen.family, found.size() > 1, notes);
     }
   }
 }

@@ -1,6 +1,7 @@
 #include "tools/detectors.h"
 
 #include <cmath>
+#include <set>
 
 #include "seater_perception/errors.h"
 #include "seater_perception/strict_yaml.h"
@@ -53,7 +54,37 @@ Detectors::Detectors(const Options& options) : options_(options), parameters_(pa
   }
   // What is wrong is said before any image is read.
   if (calibration_) cameraFor(cv::Size());
-  if (!options.plain() && !any) layoutFrom(options, family_);
+  if (!options.plain() && !any) {
+    layout_ = layoutFrom(options, family_);
+    family_ = layout_->family;
+  }
+  if (!any) explainer_ = std::make_unique<FamilySearch>(std::vector<MarkerFamily>{family_}, parameters_.detector);
+}
+
+std::vector<RefusedCandidate> Detectors::refusals(const cv::Mat& grey, const std::vector<PlainMarker>& found) {
+  return explainer_ ? explainer_->refusals(grey, found) : std::vector<RefusedCandidate>();
+}
+
+/// What the search finds and the result has not is refused by its pose, or is no marker of the dock.
+std::vector<RefusedCandidate> Detectors::refusals(const cv::Mat& grey, const DetectionResult& result) {
+  if (!explainer_) return {};
+  std::vector<PlainMarker> found;
+  std::set<int> known;
+  for (const DetectedMarker& m : result.markers) found.push_back({m.id, m.corners});
+  found.insert(found.end(), result.repeated.begin(), result.repeated.end());
+  for (const PlainMarker& m : found) known.insert(m.id);
+  std::vector<RefusedCandidate> refused;
+  for (const FamilyMarkers& family : explainer_->detect(grey)) {
+    for (const PlainMarker& m : family.markers) {
+      if (known.count(m.id)) continue;
+      const bool reported = layout_->sizeOf(m.id).has_value();
+      refused.push_back(
+          {m.corners, m.id, reported ? "its corners allow no believable pose" : "the dock has no such id"});
+      found.push_back(m);
+    }
+  }
+  for (const RefusedCandidate& candidate : explainer_->refusals(grey, found)) refused.push_back(candidate);
+  return refused;
 }
 
 DockDetector& Detectors::of(const MarkerFamily& family, const cv::Size& image) {

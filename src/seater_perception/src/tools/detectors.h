@@ -22,6 +22,9 @@ class Detectors {
   const MarkerFamily& family() const { return family_; }  ///< that is looked for; with `any`, there is none
   /// Finds the family (`any`) or the markers alone; nothing when the family is known and poses are wanted.
   const FamilySearch* search() const { return search_.get(); }
+  /// What was not found, and why, where one family is looked for; of `any`, nothing is said.
+  std::vector<RefusedCandidate> refusals(const cv::Mat& grey, const DetectionResult& result);
+  std::vector<RefusedCandidate> refusals(const cv::Mat& grey, const std::vector<PlainMarker>& found);
   /// Of images of this size. Throws ConfigurationError.
   DockDetector& of(const MarkerFamily& family, const cv::Size& image);
 
@@ -33,6 +36,8 @@ class Detectors {
   std::optional<Calibration> calibration_;
   MarkerFamily family_;
   std::unique_ptr<FamilySearch> search_;
+  std::unique_ptr<FamilySearch> explainer_;  // of the one family
+  std::optional<DockLayout> layout_;         // that poses are wanted of
   std::map<std::pair<std::string, std::pair<int, int>>, DockDetector> detectors_;
 };
 

@@ -26,23 +26,35 @@ double sideOf(const PlainMarker& m) {
   return 0.25 * sum;
 }
 
+std::string jsonCorners(const std::array<Eigen::Vector2d, 4>& corners) {
+  std::string text = "\"corners\": [";
+  for (std::size_t i = 0; i < 4; ++i) text += format("%s[%.12g, %.12g]", i ? ", " : "", corners[i].x(), corners[i].y());
+  return text + "]";
+}
+
 std::string jsonList(const std::vector<PlainMarker>& markers) {
   std::string text;
   for (const PlainMarker& m : markers) {
-    text += text.empty() ? "[" : ", ";
-    text += format("{\"id\": %d, \"corners\": [", m.id);
-    for (std::size_t i = 0; i < 4; ++i) {
-      text += format("%s[%.12g, %.12g]", i ? ", " : "", m.corners[i].x(), m.corners[i].y());
-    }
-    text += format("], \"side_px\": %.12g}", sideOf(m));
+    text += format("%s{\"id\": %d, ", text.empty() ? "" : ", ", m.id) + jsonCorners(m.corners);
+    text += format(", \"side_px\": %.12g}", sideOf(m));
   }
-  return text.empty() ? "[]" : text + "]";
+  return "[" + text + "]";
+}
+
+std::string jsonList(const std::vector<RefusedCandidate>& candidates) {
+  std::string text;
+  for (const RefusedCandidate& c : candidates) {
+    text += (text.empty() ? "{\"id\": " : ", {\"id\": ") + (c.id ? std::to_string(*c.id) : "null") + ", ";
+    text += jsonCorners(c.corners) + ", \"why\": \"" + c.why + "\"}";
+  }
+  return "[" + text + "]";
 }
 
 /// The keys that every object has, to follow others.
 std::string jsonNotes(const ImageNotes& notes) {
   std::string text;
   if (notes.dictionary) text += ", \"dictionary\": \"" + *notes.dictionary + "\"";
+  text += ", \"refused_candidates\": " + jsonList(notes.refused);
   text += format(", \"turned_by_exif\": %s", notes.turned ? "true" : "false");
   return text + format(", \"time\": {\"reading\": %.6f, \"detection\": %.6f}", notes.reading, notes.detection);
 }
@@ -61,7 +73,14 @@ std::string notesText(const ImageNotes& notes) {
 }
 
 std::string endText(const ImageNotes& notes) {
-  std::string text = format("%.0f ms\n", 1e3 * notes.detection);
+  std::string text;
+  for (const RefusedCandidate& c : notes.refused) {
+    if (!c.id) continue;  // most of them are no markers
+    const Eigen::Vector2d& corner = c.corners[0];
+    text +=
+        format("refused: what may be marker %d at (%.1f, %.1f): %s\n", *c.id, corner.x(), corner.y(), c.why.c_str());
+  }
+  text += format("%.0f ms\n", 1e3 * notes.detection);
   if (notes.drawing) text += "annotated: " + *notes.drawing + "\n";
   return text;
 }
@@ -95,7 +114,8 @@ std::string describe(const DetectionResult& result, const ImageNotes& notes) {
     text += format("marker %d: only its distance is certain, two angles explain the image\n", id);
   }
   text += placesText(result.repeated);
-  if (result.refused > 0) text += format("%d found, but refused: no believable pose\n", result.refused);
+  const bool unexplained = result.refused > 0 && notes.refused.empty();
+  if (unexplained) text += format("%d found, but refused: no believable pose\n", result.refused);
   if (notes.fov) {
     text += format("approximate: no calibration, a field of view of %.1f deg and no distortion are assumed\n",
                    *notes.fov * 180.0 / M_PI);
