@@ -58,6 +58,9 @@ class VelocityGate {
   // The velocity for the motors at `now` [s]. To be called after each input and at a steady rate without inputs.
   Velocity output(double now);
 
+  // Whether the motors may have power: not during an emergency stop or a fault, once the output is zero.
+  bool motorsEnabled() const { return moving() || (!emergency_stop_ && fault_.empty()); }
+
   GateState state() const { return state_; }
   GateStatus status(double now) const;
   // Requests and joystick commands that were not finite, since the start.

@@ -1,166 +1,135 @@
-// ROS shell of the velocity gate. Topics and service (relative):
-//   in   velocity_request (geometry_msgs/TwistStamped), user_cmd_vel (geometry_msgs/Twist),
-//        emergency_stop (std_msgs/Bool); gate_arm (seater_msgs/GateArm): consent for one goal, of the calling node
-//   out  cmd_vel (geometry_msgs/Twist), cmd_vel_stamped (geometry_msgs/TwistStamped, with the request's stamp),
-//        gate_state (seater_msgs/GateState)
-// One output follows each input; a timer continues to brake when inputs end. All callbacks run in one thread.
-// Time is ROS time, so that a simulation in lock-step does not depend on the speed of the machine.
-#include <diagnostic_updater/diagnostic_updater.h>
-#include <ros/callback_queue.h>
-#include <ros/ros.h>
-#include <seater_msgs/GateArm.h>
-#include <std_msgs/Bool.h>
+#include "safety_gate_node.h"
 
 #include <algorithm>
-#include <csignal>
-#include <limits>
-#include <stdexcept>
-
-#include "load_parameters.h"
-#include "messages.h"
-#include "seater_safety/velocity_gate.h"
+#include <string>
 
 namespace seater_safety {
 namespace {
 
-constexpr double kStatePeriod = 0.1;  // [s] of wall time between two gate_state without a change
+constexpr double kPeriod = 0.02;             // [s] of the output
+constexpr double kSupervisionPeriod = 0.05;  // [s] of motor_enable
+constexpr unsigned kStateEvery = 2;          // supervisions: gate_state at 10 Hz
+constexpr double kLongestBraking = 1.5;      // [s] before the node ends
 
-class SafetyGateNode {
- public:
-  explicit SafetyGateNode(const GateParameters& parameters) : gate_(parameters) {
-    const ros::TransportHints prompt = ros::TransportHints().tcpNoDelay();
-    command_ = handle_.advertise<geometry_msgs::Twist>("cmd_vel", 10);
-    stamped_command_ = handle_.advertise<geometry_msgs::TwistStamped>("cmd_vel_stamped", 10);
-    state_ = handle_.advertise<seater_msgs::GateState>("gate_state", 10, true);
-    request_ = handle_.subscribe("velocity_request", 10, &SafetyGateNode::onRequest, this, prompt);
-    user_ = handle_.subscribe("user_cmd_vel", 1, &SafetyGateNode::onUser, this, prompt);
-    emergency_stop_ = handle_.subscribe("emergency_stop", 10, &SafetyGateNode::onEmergencyStop, this, prompt);
-    arm_ = handle_.advertiseService("gate_arm", &SafetyGateNode::onArm, this);
-    timer_ = handle_.createTimer(ros::Duration(0.02), &SafetyGateNode::onTimer, this);
-    state_timer_ = handle_.createWallTimer(ros::WallDuration(kStatePeriod), &SafetyGateNode::onStateTimer, this);
-    updater_.setHardwareID("seater_safety");
-    updater_.add("velocity gate", this, &SafetyGateNode::diagnose);
-  }
-
-  // The last message is a zero velocity.
-  void stop() { send(Velocity{}); }
-
- private:
-  static double now() { return ros::Time::now().toSec(); }
-
-  void onRequest(const ros::MessageEvent<geometry_msgs::TwistStamped const>& event) {
-    const geometry_msgs::TwistStamped& message = *event.getConstMessage();
-    last_stamp_ = message.header.stamp;
-    const double stamp = last_stamp_.toSec();
-    const double age = last_stamp_.isZero() ? std::numeric_limits<double>::infinity() : now() - stamp;
-    const double time = VelocityGate::requestTime(now(), stamp);
-    gate_.request(time, event.getPublisherName(), velocityOf(message.twist), age);
-    publish(time);
-  }
-
-  void onUser(const geometry_msgs::Twist& message) {
-    gate_.user(now(), velocityOf(message));
-    publish(now());
-  }
-
-  void onEmergencyStop(const std_msgs::Bool& message) {
-    gate_.emergencyStop(now(), message.data);
-    publish(now());
-  }
-
-  bool onArm(ros::ServiceEvent<seater_msgs::GateArm::Request, seater_msgs::GateArm::Response>& event) {
-    seater_msgs::GateArm::Response& response = event.getResponse();
-    const auto refusal = gate_.arm(now(), event.getCallerName());
-    response.granted = !refusal.has_value();
-    if (refusal) {
-      response.state = static_cast<std::uint8_t>(refusal->state);
-      response.reason = refusal->reason;
-    } else {
-      // By the clock, so that a gate that was started anew gives no number for the second time.
-      consent_ = std::max<std::uint64_t>(consent_ + 1, ros::WallTime::now().toNSec());
-    }
-    response.consent = consent_;
-    publishState();
-    return true;
-  }
-
-  // Recent requests set the pace of the output; the timer takes over when they end.
-  void onTimer(const ros::TimerEvent&) {
-    if (gate_.state() == GateState::kRequest && now() - last_output_ < 0.1) return;
-    if (gate_.state() == GateState::kStopped && silent_) return;
-    publish(now());
-    silent_ = gate_.state() == GateState::kStopped;
-  }
-
-  void onStateTimer(const ros::WallTimerEvent&) {
-    gate_.expire(now());
-    publishState();
-    updater_.update();
-  }
-
-  void publish(double now) {
-    send(gate_.output(now));
-    last_output_ = now;
-    silent_ = false;
-    if (differs(stateMessage(gate_.status(now), consent_, ros::Time()), last_state_)) publishState();
-  }
-
-  void send(const Velocity& velocity) {
-    const geometry_msgs::TwistStamped stamped = commandMessage(velocity, last_stamp_);
-    command_.publish(stamped.twist);
-    stamped_command_.publish(stamped);
-  }
-
-  void publishState() {
-    last_state_ = stateMessage(gate_.status(now()), consent_, ros::Time::now());
-    state_.publish(last_state_);
-  }
-
-  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
-    using diagnostic_msgs::DiagnosticStatus;
-    const GateState state = gate_.state();
-    const bool fault = state != GateState::kStopped && state != GateState::kRequest && state != GateState::kUser;
-    status.summary(fault ? DiagnosticStatus::WARN : DiagnosticStatus::OK, toString(state));
-    status.add("reason", gate_.status(now()).reason);
-    status.add("requests refused (not finite)", gate_.refused());
-    status.add("requests ignored (no consent, stamp)", gate_.ignored());
-    status.add("outputs limited", gate_.limited());
-  }
-
-  ros::NodeHandle handle_;
-  VelocityGate gate_;
-  ros::Publisher command_, stamped_command_, state_;
-  ros::Subscriber request_, user_, emergency_stop_;
-  ros::ServiceServer arm_;
-  ros::Timer timer_;
-  ros::WallTimer state_timer_;
-  diagnostic_updater::Updater updater_;
-  seater_msgs::GateState last_state_;
-  std::uint64_t consent_ = 0;
-  ros::Time last_stamp_;
-  double last_output_ = 0.0;
-  bool silent_ = false;
-};
+Velocity velocityOf(const geometry_msgs::Twist& message) {
+  return {message.linear.x, message.angular.z};
+}
 
 }  // namespace
-}  // namespace seater_safety
 
-int main(int argc, char** argv) {
-  ros::init(argc, argv, "safety_gate", ros::init_options::NoSigintHandler);
-  ros::NodeHandle private_handle("~");
-  // The node's own handler, because ROS's closes the connections before the last zero is sent.
-  static volatile std::sig_atomic_t interrupted = 0;
-  std::signal(SIGINT, [](int) { interrupted = 1; });
-  std::signal(SIGTERM, [](int) { interrupted = 1; });
-  try {
-    seater_safety::SafetyGateNode node(seater_safety::loadParameters(private_handle));
-    while (ros::ok() && interrupted == 0) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.02));
-    node.stop();
-    ros::WallDuration(0.1).sleep();
-  } catch (const std::invalid_argument& error) {
-    ROS_FATAL("safety_gate: wrong parameter: %s", error.what());
-    return 1;
+SafetyGateNode::SafetyGateNode(const GateParameters& parameters, bool lock_step)
+    : clocks_(lock_step), gate_(parameters), out_(handle_), neighbours_(handle_) {
+  const ros::TransportHints prompt = ros::TransportHints().tcpNoDelay();
+  request_ = handle_.subscribe("velocity_request", 10, &SafetyGateNode::onRequest, this, prompt);
+  user_ = handle_.subscribe("user_cmd_vel", 1, &SafetyGateNode::onUser, this, prompt);
+  emergency_stop_ = handle_.subscribe("emergency_stop", 10, &SafetyGateNode::onEmergencyStop, this, prompt);
+  for (const ros::Subscriber& input : {request_, user_, emergency_stop_}) neighbours_.watch(input);
+  arm_ = handle_.advertiseService("gate_arm", &SafetyGateNode::onArm, this);
+  if (lock_step) {
+    lock_step_timer_ = handle_.createTimer(ros::Duration(kPeriod), &SafetyGateNode::onLockStepTimer, this);
+  } else {
+    timer_ = handle_.createSteadyTimer(ros::WallDuration(kPeriod), &SafetyGateNode::onTimer, this);
+    master_ = std::make_unique<MasterWatch>();
   }
-  ros::shutdown();
-  return 0;
+  const ros::WallDuration period(kSupervisionPeriod);
+  supervision_ = handle_.createSteadyTimer(period, &SafetyGateNode::onSupervision, this);
+  updater_.setHardwareID("seater_safety");
+  updater_.add("velocity gate", this, &SafetyGateNode::diagnose);
 }
+
+void SafetyGateNode::stop() {
+  gate_.fault(clocks_.now(), "the safety gate ends");
+  out_.state(gate_.status(clocks_.now()), consent_);
+  const ros::SteadyTime end = ros::SteadyTime::now() + ros::WallDuration(kLongestBraking);
+  while (!clocks_.lockStep() && gate_.motorsEnabled() && ros::SteadyTime::now() < end) {
+    send(clocks_.now());
+    ros::WallDuration(kPeriod).sleep();
+  }
+  out_.command(Velocity{}, last_stamp_);
+  out_.enable(false);
+}
+
+void SafetyGateNode::onRequest(const ros::MessageEvent<geometry_msgs::TwistStamped const>& event) {
+  const geometry_msgs::TwistStamped& message = *event.getConstMessage();
+  last_stamp_ = message.header.stamp;
+  double now = clocks_.now();
+  if (clocks_.lockStep()) now = VelocityGate::requestTime(now, last_stamp_.toSec());
+  gate_.request(now, event.getPublisherName(), velocityOf(message.twist), Clocks::age(last_stamp_));
+  send(now);
+}
+
+void SafetyGateNode::onUser(const geometry_msgs::Twist& message) {
+  gate_.user(clocks_.now(), velocityOf(message));
+  send(clocks_.now());
+}
+
+void SafetyGateNode::onEmergencyStop(const std_msgs::Bool& message) {
+  gate_.emergencyStop(clocks_.now(), message.data != 0);
+  send(clocks_.now());
+}
+
+bool SafetyGateNode::onArm(ArmEvent& event) {
+  seater_msgs::GateArm::Response& response = event.getResponse();
+  gate_.fault(clocks_.now(), faults());
+  const auto refusal = gate_.arm(clocks_.now(), event.getCallerName());
+  response.granted = static_cast<std::uint8_t>(!refusal.has_value());
+  if (refusal) {
+    response.state = static_cast<std::uint8_t>(refusal->state);
+    response.reason = refusal->reason;
+  } else {
+    // By the clock, so that a gate that was started anew gives no number for the second time.
+    consent_ = std::max<std::uint64_t>(consent_ + 1, ros::WallTime::now().toNSec());
+  }
+  response.consent = consent_;
+  out_.state(gate_.status(clocks_.now()), consent_);
+  return true;
+}
+
+// Recent requests set the pace of the output; the timer takes over when they end. One that came at any time would
+// change the ramp between two requests, and with it the run.
+void SafetyGateNode::onLockStepTimer(const ros::TimerEvent&) {
+  const double now = clocks_.now();
+  if (gate_.state() == GateState::kRequest && now - last_output_ < 0.1) return;
+  if (gate_.state() == GateState::kStopped && silent_) return;
+  send(now);
+  silent_ = gate_.state() == GateState::kStopped;
+}
+
+void SafetyGateNode::onSupervision(const ros::SteadyTimerEvent&) {
+  const double now = clocks_.now();
+  gate_.fault(now, faults());
+  gate_.expire(now);
+  out_.enable(gate_.motorsEnabled());
+  const GateStatus status = gate_.status(now);
+  if (supervisions_++ % kStateEvery == 0) out_.state(status, consent_);
+  out_.stateIfChanged(status, consent_);
+  updater_.update();
+}
+
+void SafetyGateNode::send(double now) {
+  out_.command(gate_.output(now), last_stamp_);
+  out_.stateIfChanged(gate_.status(now), consent_);
+  last_output_ = now;
+  silent_ = false;
+}
+
+std::string SafetyGateNode::faults() {
+  const std::string clock = clocks_.check();
+  if (!clock.empty()) return clock;
+  const std::string neighbours = neighbours_.check();
+  if (!neighbours.empty() || master_ == nullptr) return neighbours;
+  return master_->check();
+}
+
+void SafetyGateNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const GateState state = gate_.state();
+  const bool fault = state != GateState::kStopped && state != GateState::kRequest && state != GateState::kUser;
+  status.summary(fault ? DiagnosticStatus::WARN : DiagnosticStatus::OK, toString(state));
+  status.add("reason", gate_.status(clocks_.now()).reason);
+  status.add("requests refused (not finite)", gate_.refused());
+  status.add("requests ignored (no consent, stamp)", gate_.ignored());
+  status.add("outputs limited", gate_.limited());
+}
+
+}  // namespace seater_safety

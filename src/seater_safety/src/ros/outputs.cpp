@@ -1,10 +1,9 @@
-#include "messages.h"
+#include "outputs.h"
+
+#include <std_msgs/Bool.h>
 
 namespace seater_safety {
-
-Velocity velocityOf(const geometry_msgs::Twist& message) {
-  return {message.linear.x, message.angular.z};
-}
+namespace {
 
 geometry_msgs::TwistStamped commandMessage(const Velocity& velocity, const ros::Time& stamp) {
   geometry_msgs::TwistStamped message;
@@ -32,9 +31,39 @@ seater_msgs::GateState stateMessage(const GateStatus& status, std::uint64_t cons
   return message;
 }
 
+// Whether people and nodes have to hear of the change from one to the other at once.
 bool differs(const seater_msgs::GateState& one, const seater_msgs::GateState& other) {
   return one.state != other.state || one.stopped_by != other.stopped_by || one.consent != other.consent ||
          one.motion_allowed != other.motion_allowed || one.emergency_stop != other.emergency_stop;
+}
+
+}  // namespace
+
+Outputs::Outputs(ros::NodeHandle& handle)
+    : command_(handle.advertise<geometry_msgs::Twist>("cmd_vel", 10)),
+      stamped_command_(handle.advertise<geometry_msgs::TwistStamped>("cmd_vel_stamped", 10)),
+      enable_(handle.advertise<std_msgs::Bool>("motor_enable", 10)),
+      state_(handle.advertise<seater_msgs::GateState>("gate_state", 10, true)) {}
+
+void Outputs::command(const Velocity& velocity, const ros::Time& stamp) {
+  const geometry_msgs::TwistStamped message = commandMessage(velocity, stamp);
+  command_.publish(message.twist);
+  stamped_command_.publish(message);
+}
+
+void Outputs::enable(bool motors) {
+  std_msgs::Bool message;
+  message.data = static_cast<std::uint8_t>(motors);
+  enable_.publish(message);
+}
+
+void Outputs::state(const GateStatus& status, std::uint64_t consent) {
+  last_state_ = stateMessage(status, consent, ros::Time::now());
+  state_.publish(last_state_);
+}
+
+void Outputs::stateIfChanged(const GateStatus& status, std::uint64_t consent) {
+  if (differs(stateMessage(status, consent, ros::Time()), last_state_)) state(status, consent);
 }
 
 }  // namespace seater_safety
