@@ -42,6 +42,12 @@ const std::vector<GateParameter>& gateParameters() {
       {"safety", "user_timeout", &P::user_timeout, "s", 0.1, 1.0, "a joystick that is silent for so long is let go"},
       {"safety", "user_neutral", &P::user_neutral, "m/s, rad/s", 0.001, 0.1,
        "a joystick command up to this counts as let go"},
+      {"safety", "jerk_max", &P::jerk_max, "m/s^3", 0.5, 100.0, "change of acceleration; a stop is exempt"},
+      {"safety", "angular_jerk_max", &P::angular_jerk_max, "rad/s^3", 1.0, 200.0, "the same for turning"},
+      {"safety", "emergency_stop_timeout", &P::emergency_stop_timeout, "s", 0.0, 2.0,
+       "an emergency stop that is silent for so long counts as pressed; 0: it need not speak"},
+      {"safety", "emergency_stop_reset", &P::emergency_stop_reset, "", 0.0, 1.0,
+       "1: an emergency stop lasts until it is reset by the service gate_reset; 0: until it is released"},
   };
   return all;
 }
@@ -55,6 +61,10 @@ std::string GateParameters::check() const {
   if (a_stop < a_max) return wrong("a_stop", a_stop, "at least a_max of the chair");
   if (alpha_stop < alpha_max) return wrong("alpha_stop", alpha_stop, "at least alpha_max of the chair");
   if (consent_timeout < request_timeout) return wrong("consent_timeout", consent_timeout, "at least request_timeout");
+  const bool heartbeat = emergency_stop_timeout == 0.0 || emergency_stop_timeout >= 0.1;
+  if (!heartbeat) return wrong("emergency_stop_timeout", emergency_stop_timeout, "0, or at least 0.1 s");
+  const bool flag = emergency_stop_reset == 0.0 || emergency_stop_reset == 1.0;
+  if (!flag) return wrong("emergency_stop_reset", emergency_stop_reset, "0 or 1");
   if (request_max_age < request_timeout) return wrong("request_max_age", request_max_age, "at least request_timeout");
   return {};
 }

@@ -25,7 +25,8 @@ std::string toString(GateState state) {
 }
 
 std::string VelocityGate::reason(double now) const {
-  if (emergency_stop_) return "the emergency stop is pressed";
+  const std::string emergency_stop = emergency(now);
+  if (!emergency_stop.empty()) return emergency_stop;
   if (!fault_.empty()) return fault_;
   if (joystick_.drives(now)) return "the joystick drives";
   if (joystick_.deflected(now)) return "the joystick has to be let go before it drives";
@@ -42,10 +43,10 @@ GateStatus VelocityGate::status(double now) const {
   status.stop_reason = consent_.reason();
   status.motion_allowed = consent_.held();
   status.holder = consent_.holder();
-  status.emergency_stop = emergency_stop_;
+  status.emergency_stop = !emergency(now).empty();
   if (request_seen_) status.request_age = now - request_time_;
   status.user_age = joystick_.age(now);
-  if (emergency_stop_time_ >= 0.0) status.emergency_stop_age = now - emergency_stop_time_;
+  if (pressed_seen_) status.emergency_stop_age = now - pressed_time_;
   return status;
 }
 

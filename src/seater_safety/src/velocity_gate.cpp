@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
+
+#include "words.h"
 
 namespace seater_safety {
 namespace {
@@ -15,29 +16,13 @@ bool finite(const Velocity& velocity) {
   return std::isfinite(velocity.linear) && std::isfinite(velocity.angular);
 }
 
-bool zero(const Velocity& velocity) {
-  return velocity.linear == 0.0 && velocity.angular == 0.0;
-}
-
-// One step from `last` towards `wanted`, of at most `faster` away from zero or `slower` towards it.
-double approach(double last, double wanted, double faster, double slower) {
-  // Crossing zero stops at zero first: beyond it the other limit applies.
-  if (last > 0.0 && wanted < 0.0) return std::max(0.0, last - slower);
-  if (last < 0.0 && wanted > 0.0) return std::min(0.0, last + slower);
-  const double step = std::abs(wanted) > std::abs(last) ? faster : slower;
-  return std::clamp(wanted, last - step, last + step);
-}
-
-std::string seconds(const std::string& before, double value, const std::string& after) {
-  std::ostringstream text;
-  text.precision(2);
-  text << before << std::fixed << value << " s" << after;
-  return text.str();
-}
-
 }  // namespace
 
-VelocityGate::VelocityGate(const GateParameters& parameters) : parameters_(parameters), joystick_(parameters, 0.0) {
+VelocityGate::VelocityGate(const GateParameters& parameters)
+    : parameters_(parameters),
+      joystick_(parameters, 0.0),
+      linear_({parameters.a_max, parameters.a_stop, parameters.jerk_max}),
+      angular_({parameters.alpha_max, parameters.alpha_stop, parameters.angular_jerk_max}) {
   const std::string problem = parameters.check();
   if (!problem.empty()) throw std::invalid_argument(problem);
 }
@@ -52,40 +37,9 @@ void VelocityGate::notice(double now) {
   // What was stored before the jump would stay fresh until the clock is back there.
   joystick_ = Joystick(parameters_, now);
   insisted_ = -1e9;
+  pressed_time_ = now;
   last_time_ = now;
   started_ = true;
-}
-
-// Ends the consent; what was asked for before counts no more.
-void VelocityGate::stop(double now, GateState cause, const std::string& reason) {
-  consent_.end(cause, reason);
-  request_seen_ = false;
-  request_time_ = now;
-}
-
-bool VelocityGate::insistent(double now) const {
-  return now - insisted_ <= parameters_.request_timeout;
-}
-
-std::optional<Refusal> VelocityGate::arm(double now, const std::string& holder) {
-  notice(now);
-  joystick_.update(now);
-  if (emergency_stop_) return Refusal{GateState::kEmergencyStop, "the emergency stop is pressed"};
-  if (!fault_.empty()) return Refusal{GateState::kFault, fault_};
-  if (joystick_.deflected(now)) return Refusal{GateState::kUser, "the joystick is deflected"};
-  if (consent_.held() && !consent_.heldBy(holder)) {
-    return Refusal{GateState::kRequest, consent_.holder() + " drives"};
-  }
-  // Whoever went on asking for motion through a stop has not noticed it.
-  if (!consent_.held() && insistent(now)) {
-    return Refusal{GateState::kStopped, "velocity requests other than zero still come in"};
-  }
-  consent_.give(holder);
-  unused_.clear();
-  request_ = {};
-  request_seen_ = false;
-  request_time_ = now;
-  return std::nullopt;
 }
 
 void VelocityGate::request(double now, const std::string& sender, const Velocity& velocity, double age) {
@@ -130,11 +84,24 @@ void VelocityGate::user(double now, const Velocity& velocity) {
 
 void VelocityGate::emergencyStop(double now, bool pressed) {
   notice(now);
-  emergency_stop_ = pressed;
-  emergency_stop_time_ = now;
-  if (!pressed) return;
+  pressed_ = pressed;
+  pressed_time_ = now;
+  pressed_seen_ = true;
+  if (pressed) hold(now);
+}
+
+void VelocityGate::hold(double now) {
+  reset_due_ = parameters_.emergency_stop_reset != 0.0;
   stop(now, GateState::kEmergencyStop, "the emergency stop was pressed");
   joystick_.lock(now);
+}
+
+std::string VelocityGate::emergency(double now) const {
+  if (pressed_) return "the emergency stop is pressed";
+  const double timeout = parameters_.emergency_stop_timeout;
+  const bool silent = timeout > 0.0 && (!pressed_seen_ || now - pressed_time_ > timeout);
+  if (silent) return "the emergency stop is silent, which counts as pressed";
+  return reset_due_ ? "the emergency stop was released, but not reset (gate_reset)" : "";
 }
 
 void VelocityGate::fault(double now, const std::string& reason) {
@@ -147,9 +114,9 @@ void VelocityGate::fault(double now, const std::string& reason) {
 
 Velocity VelocityGate::wanted(double now) {
   joystick_.update(now);
-  if (emergency_stop_) {
+  if (!emergency(now).empty()) {
     state_ = GateState::kEmergencyStop;
-    joystick_.lock(now);
+    hold(now);
     return {};
   }
   if (!fault_.empty()) {
@@ -162,15 +129,6 @@ Velocity VelocityGate::wanted(double now) {
     return joystick_.velocity();
   }
   return requested(now);
-}
-
-void VelocityGate::expire(double now) {
-  if (!consent_.held()) return;
-  const double silence = now - request_time_;
-  const bool idle = zero(request_) && unused_.empty();
-  if (silence <= (idle ? parameters_.consent_idle_timeout : parameters_.consent_timeout)) return;
-  const std::string why = unused_.empty() ? seconds("no velocity request for ", silence, "") : unused_;
-  stop(now, idle ? GateState::kStopped : GateState::kStale, why);
 }
 
 Velocity VelocityGate::requested(double now) {
@@ -198,10 +156,8 @@ Velocity VelocityGate::output(double now) {
 
   // A late clock gives no time to change the speed in.
   const double step = std::clamp(now - last_time_, 0.0, kLongestStep);
-  last_.linear = approach(last_.linear, bounded.linear, p.a_max * step, p.a_stop * step);
-  last_.angular = approach(last_.angular, bounded.angular, p.alpha_max * step, p.alpha_stop * step);
   last_time_ = std::max(last_time_, now);
-  return last_;
+  return {linear_.advance(bounded.linear, step), angular_.advance(bounded.angular, step)};
 }
 
 }  // namespace seater_safety

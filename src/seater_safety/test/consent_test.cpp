@@ -211,6 +211,57 @@ TEST_F(ConsentTest, AJumpOfTheClockEndsIt) {
   expectLatched(GateState::kFault);
 }
 
+TEST_F(ConsentTest, ASilentEmergencyStopCountsAsPressed) {
+  GateParameters p;
+  p.emergency_stop_timeout = 0.3;
+  gate_ = VelocityGate(p);
+  gate_.output(now_);
+  EXPECT_EQ(gate_.arm(now_, kDocking)->reason, "the emergency stop is silent, which counts as pressed");
+  gate_.emergencyStop(now_, false);
+  ASSERT_TRUE(arm());
+  ask(kForward, 0.29);
+  EXPECT_EQ(gate_.state(), GateState::kRequest);
+  EXPECT_EQ(ask(kForward).linear, 0.0);
+  EXPECT_EQ(gate_.state(), GateState::kEmergencyStop);
+  gate_.emergencyStop(now_, false);
+  EXPECT_EQ(ask(kForward, 0.2).linear, 0.0) << "latched";
+}
+
+TEST_F(ConsentTest, AnEmergencyStopMayHaveToBeReset) {
+  GateParameters p;
+  p.emergency_stop_reset = 1.0;
+  gate_ = VelocityGate(p);
+  drive();
+  gate_.emergencyStop(now_, true);
+  EXPECT_EQ(gate_.reset(now_)->reason, "the emergency stop is pressed");
+  gate_.emergencyStop(now_, false);
+  EXPECT_EQ(gate_.reset(now_)->reason, "the chair still moves");
+  wait(1.0);
+  EXPECT_FALSE(gate_.motorsEnabled(now_));
+  EXPECT_FALSE(arm());
+  gate_.user(now_, {0.3, 0.0});
+  EXPECT_EQ(gate_.reset(now_)->reason, "the joystick is deflected");
+  EXPECT_EQ(wait(0.4).linear, 0.0);
+  gate_.user(now_, {});
+  EXPECT_FALSE(gate_.reset(now_).has_value());
+  EXPECT_TRUE(gate_.motorsEnabled(now_));
+  EXPECT_TRUE(arm());
+}
+
+TEST_F(ConsentTest, FromOneSourceToAnotherTheSpeedDoesNotJump) {
+  drive();
+  Velocity previous = gate_.output(now_);
+  for (int i = 0; i < 60; ++i) {
+    now_ += 0.02;
+    gate_.user(now_, {-0.3, -0.5});
+    const Velocity output = gate_.output(now_);
+    EXPECT_LE(std::abs(output.linear - previous.linear), 1.5 * 0.02 + 1e-9);
+    EXPECT_LE(std::abs(output.angular - previous.angular), 3.0 * 0.02 + 1e-9);
+    previous = output;
+  }
+  EXPECT_EQ(previous.linear, -0.3);
+}
+
 TEST_F(ConsentTest, ANewGoalOfTheSameNodeTakesOver) {
   drive();
   ASSERT_TRUE(arm());

@@ -22,6 +22,10 @@ struct GateParameters {
   double consent_idle_timeout = 5.0;
   double user_timeout = 0.5;
   double user_neutral = 0.02;
+  double jerk_max = 12.0;
+  double angular_jerk_max = 24.0;
+  double emergency_stop_timeout = 0.0;
+  double emergency_stop_reset = 0.0;
 
   // Empty when all values can be used; else key and value of the first wrong one and what is allowed.
   std::string check() const;

@@ -16,6 +16,7 @@
 #include "seater_safety/gate_parameters.h"
 #include "seater_safety/gate_state.h"
 #include "seater_safety/joystick.h"
+#include "seater_safety/ramp.h"
 
 namespace seater_safety {
 
@@ -48,8 +49,11 @@ class VelocityGate {
   // A joystick command of the person in the seat. Deflected: it has precedence, and the consent ends. Not finite: the
   // joystick counts as let go, and the consent ends.
   void user(double now, const Velocity& velocity);
-  // While pressed, the output is zero.
+  // While pressed, the output is zero; with emergency_stop_timeout also while nothing was said for so long, and with
+  // emergency_stop_reset until a reset.
   void emergencyStop(double now, bool pressed);
+  // After an emergency stop, standing with the joystick let go. Empty: done, or there was nothing to do.
+  std::optional<Refusal> reset(double now);
   // Something round the gate is wrong: zero until `reason` is empty again.
   void fault(double now, const std::string& reason);
 
@@ -59,7 +63,7 @@ class VelocityGate {
   Velocity output(double now);
 
   // Whether the motors may have power: not during an emergency stop or a fault, once the output is zero.
-  bool motorsEnabled() const { return moving() || (!emergency_stop_ && fault_.empty()); }
+  bool motorsEnabled(double now) const { return moving() || (emergency(now).empty() && fault_.empty()); }
 
   GateState state() const { return state_; }
   GateStatus status(double now) const;
@@ -74,7 +78,9 @@ class VelocityGate {
   std::string reason(double now) const;
   void notice(double now);
   void stop(double now, GateState cause, const std::string& reason);
-  bool moving() const { return last_.linear != 0.0 || last_.angular != 0.0; }
+  void hold(double now);
+  std::string emergency(double now) const;
+  bool moving() const { return linear_.speed() != 0.0 || angular_.speed() != 0.0; }
   bool insistent(double now) const;
   Velocity wanted(double now);
   Velocity requested(double now);
@@ -87,10 +93,12 @@ class VelocityGate {
   bool request_seen_ = false;  // since the consent
   double insisted_ = -1e9;     // when a request other than zero came last, accepted or not
   std::string unused_;         // why the last request was not accepted
-  bool emergency_stop_ = false;
-  double emergency_stop_time_ = -1.0;  // of the last message; -1: none
+  bool pressed_ = false;       // the emergency stop, as it was said last
+  bool pressed_seen_ = false;
+  double pressed_time_ = 0.0;  // of the last message, or of the start
+  bool reset_due_ = false;
   std::string fault_;
-  Velocity last_;
+  Ramp linear_, angular_;
   double last_time_ = 0.0;
   bool started_ = false;
   GateState state_ = GateState::kStopped;

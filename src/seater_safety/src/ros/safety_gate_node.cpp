@@ -25,11 +25,13 @@ SafetyGateNode::SafetyGateNode(const GateParameters& parameters, bool lock_step)
   emergency_stop_ = handle_.subscribe("emergency_stop", 10, &SafetyGateNode::onEmergencyStop, this, prompt);
   for (const ros::Subscriber& input : {request_, user_, emergency_stop_}) neighbours_.watch(input);
   arm_ = handle_.advertiseService("gate_arm", &SafetyGateNode::onArm, this);
+  reset_ = handle_.advertiseService("gate_reset", &SafetyGateNode::onReset, this);
   if (lock_step) {
     lock_step_timer_ = handle_.createTimer(ros::Duration(kPeriod), &SafetyGateNode::onLockStepTimer, this);
   } else {
     timer_ = handle_.createSteadyTimer(ros::WallDuration(kPeriod), &SafetyGateNode::onTimer, this);
-    master_ = std::make_unique<MasterWatch>();
+    master_ = std::make_unique<MasterLink>();
+    if (MasterLink::wasPressed()) gate_.emergencyStop(clocks_.now(), true);
   }
   const ros::WallDuration period(kSupervisionPeriod);
   supervision_ = handle_.createSteadyTimer(period, &SafetyGateNode::onSupervision, this);
@@ -41,7 +43,7 @@ void SafetyGateNode::stop() {
   gate_.fault(clocks_.now(), "the safety gate ends");
   out_.state(gate_.status(clocks_.now()), consent_);
   const ros::SteadyTime end = ros::SteadyTime::now() + ros::WallDuration(kLongestBraking);
-  while (!clocks_.lockStep() && gate_.motorsEnabled() && ros::SteadyTime::now() < end) {
+  while (!clocks_.lockStep() && gate_.motorsEnabled(clocks_.now()) && ros::SteadyTime::now() < end) {
     send(clocks_.now());
     ros::WallDuration(kPeriod).sleep();
   }
@@ -65,6 +67,7 @@ void SafetyGateNode::onUser(const geometry_msgs::Twist& message) {
 
 void SafetyGateNode::onEmergencyStop(const std_msgs::Bool& message) {
   gate_.emergencyStop(clocks_.now(), message.data != 0);
+  if (master_ != nullptr) master_->remember(message.data != 0);
   send(clocks_.now());
 }
 
@@ -85,6 +88,13 @@ bool SafetyGateNode::onArm(ArmEvent& event) {
   return true;
 }
 
+bool SafetyGateNode::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  const auto refusal = gate_.reset(clocks_.now());
+  response.success = static_cast<std::uint8_t>(!refusal.has_value());
+  response.message = refusal ? refusal->reason : "";
+  return true;
+}
+
 // Recent requests set the pace of the output; the timer takes over when they end. One that came at any time would
 // change the ramp between two requests, and with it the run.
 void SafetyGateNode::onLockStepTimer(const ros::TimerEvent&) {
@@ -99,7 +109,7 @@ void SafetyGateNode::onSupervision(const ros::SteadyTimerEvent&) {
   const double now = clocks_.now();
   gate_.fault(now, faults());
   gate_.expire(now);
-  out_.enable(gate_.motorsEnabled());
+  out_.enable(gate_.motorsEnabled(clocks_.now()));
   const GateStatus status = gate_.status(now);
   if (supervisions_++ % kStateEvery == 0) out_.state(status, consent_);
   out_.stateIfChanged(status, consent_);

@@ -1,6 +1,7 @@
 // ROS shell of the velocity gate. Topics and service (relative):
 //   in   velocity_request (geometry_msgs/TwistStamped), user_cmd_vel (geometry_msgs/Twist),
-//        emergency_stop (std_msgs/Bool); gate_arm (seater_msgs/GateArm): consent for one goal, of the calling node
+//        emergency_stop (std_msgs/Bool); gate_arm (seater_msgs/GateArm): consent for one goal, of the calling node;
+//        gate_reset (std_srvs/Trigger): after an emergency stop
 //   out  cmd_vel (geometry_msgs/Twist), cmd_vel_stamped (geometry_msgs/TwistStamped, with the request's stamp),
 //        motor_enable (std_msgs/Bool), gate_state (seater_msgs/GateState)
 // All callbacks run in one thread.
@@ -10,11 +11,12 @@
 #include <ros/ros.h>
 #include <seater_msgs/GateArm.h>
 #include <std_msgs/Bool.h>
+#include <std_srvs/Trigger.h>
 
 #include <memory>
 
 #include "clocks.h"
-#include "master_watch.h"
+#include "master_link.h"
 #include "neighbours.h"
 #include "outputs.h"
 #include "seater_safety/velocity_gate.h"
@@ -36,6 +38,7 @@ class SafetyGateNode {
   void onUser(const geometry_msgs::Twist& message);
   void onEmergencyStop(const std_msgs::Bool& message);
   bool onArm(ArmEvent& event);
+  bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   // Outputs at a constant rate, also while standing: silence of the gate means a fault.
   void onTimer(const ros::SteadyTimerEvent&) { send(clocks_.now()); }
   void onLockStepTimer(const ros::TimerEvent&);
@@ -51,9 +54,9 @@ class SafetyGateNode {
   VelocityGate gate_;
   Outputs out_;
   Neighbours neighbours_;
-  std::unique_ptr<MasterWatch> master_;  // in lock-step none: how fast it answers depends on the machine
+  std::unique_ptr<MasterLink> master_;  // in lock-step none: how fast it answers depends on the machine
   ros::Subscriber request_, user_, emergency_stop_;
-  ros::ServiceServer arm_;
+  ros::ServiceServer arm_, reset_;
   ros::Timer lock_step_timer_;
   ros::SteadyTimer timer_, supervision_;
   diagnostic_updater::Updater updater_;

@@ -76,7 +76,7 @@ def test_what_is_not_finite_is_refused_and_counted() -> None:
 
 
 @pytest.mark.parametrize("name", sorted(PARAMETERS))
-@pytest.mark.parametrize("value", [0.0, -1.0, math.nan])
+@pytest.mark.parametrize("value", [1e4, -1.0, math.nan])
 def test_a_wrong_parameter_is_named(name: str, value: float) -> None:
     with pytest.raises(ValueError, match=rf"^{name}: "):
         seater_safety.VelocityGate(**PARAMETERS | {name: value})

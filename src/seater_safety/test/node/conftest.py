@@ -18,7 +18,7 @@ os.environ["ROS_IP"] = "127.0.0.1"
 
 import rosgraph
 import rospy
-from driver import Driver, start_gate, wait_until
+from driver import Driver, end_gates, start_gate, wait_until
 
 from seater_msgs.msg import GateState
 
@@ -59,14 +59,11 @@ def gate(driver: Driver, shared_gate: list[subprocess.Popen[str]]) -> subprocess
 @pytest.fixture
 def own_gate(driver: Driver, shared_gate: list[subprocess.Popen[str]]) -> Iterator[subprocess.Popen[str]]:
     """The same for a test that ends it."""
-    for process in shared_gate:
-        process.kill()
-        process.communicate()
+    end_gates()
     shared_gate.clear()
     process = start_gate()
     driver.connect()
     yield process
-    driver.velocity = None
-    process.kill()
-    process.communicate()
+    driver.velocity, driver.heartbeat = None, False
+    end_gates()
     wait_until(lambda: driver.silence > 0.1, "the gate to be gone")

@@ -20,6 +20,7 @@ from seater_msgs.msg import GateState
 from seater_msgs.srv import GateArm, GateArmResponse
 
 PERIOD = 0.05  # [s] of the requests
+GATES: list[subprocess.Popen[str]] = []  # that were started
 
 
 def wait_until(condition: Callable[[], bool], what: str, timeout: float = 15.0) -> float:
@@ -37,9 +38,19 @@ def start_gate(name: str = "safety_gate", **changes: float) -> subprocess.Popen[
     config = Path(packages.get_path("seater_config"))
     values = {key: yaml.safe_load((config / f"{key}.yaml").read_text()) for key in ("chair", "safety")}
     values["safety"] |= changes
-    rosgraph.Master("/test").setParam("/" + name, values)
+    for key, value in values.items():  # as launch files do: what else is below the name stays
+        rosgraph.Master("/test").setParam(f"/{name}/{key}", value)
     command = ["rosrun", "seater_safety", "safety_gate", f"__name:={name}"]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    GATES.append(subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True))
+    return GATES[-1]
+
+
+def end_gates() -> None:
+    """Kills every gate that runs."""
+    for process in GATES:
+        process.kill()
+        process.communicate()
+    GATES.clear()
 
 
 class Driver:
@@ -48,6 +59,7 @@ class Driver:
     def __init__(self) -> None:
         self.velocity: tuple[float, float] | None = None
         self.stamp_offset: float | None = 0.0  # None: no stamp
+        self.heartbeat = False  # the emergency stop says all the time that it is not pressed
         self.commands: list[tuple[float, float, float]] = []  # (monotonic time [s], v, omega)
         self.enabled: list[tuple[float, bool]] = []
         self.state = GateState()
@@ -66,6 +78,8 @@ class Driver:
         while True:
             if self.velocity is not None:
                 self._request.publish(self._message(*self.velocity))
+            if self.heartbeat:
+                self._stop.publish(False)
             time.sleep(PERIOD)
 
     def _message(self, v: float, omega: float) -> TwistStamped:
@@ -103,9 +117,13 @@ class Driver:
         self._user.publish(message)
 
     def press(self, pressed: bool) -> None:
-        """The emergency stop; until the gate has noticed."""
-        self._stop.publish(pressed)
-        wait_until(lambda: self.state.emergency_stop is pressed, "the gate to notice")
+        """The emergency stop; said again until the gate has noticed, as the link may still be that to a dead gate."""
+
+        def noticed() -> bool:
+            self._stop.publish(pressed)
+            return self.state.emergency_stop is pressed
+
+        wait_until(noticed, "the gate to notice")
 
     @property
     def speed(self) -> float:

@@ -11,7 +11,9 @@ from contextlib import contextmanager
 
 import pytest
 import rosgraph
+import rospy
 from driver import Driver, start_gate, wait_until
+from std_srvs.srv import Trigger
 
 from seater_msgs.msg import GateState
 
@@ -170,6 +172,38 @@ def test_a_killed_gate_is_silent_and_another_has_no_consent(driver: Driver, own_
     driver.drive()
     driver.velocity = None
     driver.stop(again)
+
+
+def test_an_emergency_stop_is_remembered_by_the_next_gate(driver: Driver, own_gate: Gate) -> None:
+    driver.press(True)
+    time.sleep(0.3)
+    own_gate.kill()
+    own_gate.wait(timeout=5.0)
+    again = start_gate()
+    driver.connect()
+    wait_until(lambda: driver.state.state == GateState.EMERGENCY_STOP, "the stop to be remembered")
+    assert not driver.arm().granted
+    driver.press(False)
+    driver.drive()
+    driver.velocity = None
+    driver.stop(again)
+
+
+def test_a_silent_emergency_stop_and_its_reset(driver: Driver, own_gate: Gate) -> None:
+    driver.stop(own_gate)
+    strict = start_gate(emergency_stop_timeout=0.5, emergency_stop_reset=1)
+    driver.connect()
+    assert "silent" in driver.arm().reason
+    driver.heartbeat = True
+    wait_until(lambda: "not reset" in driver.state.reason, "the emergency stop to be heard")
+    reset = rospy.ServiceProxy("gate_reset", Trigger)
+    assert reset().success
+    driver.drive()
+    driver.heartbeat = False
+    driver.expect_stop(0.5 + BRAKING + SLACK)
+    assert driver.state.stopped_by == GateState.EMERGENCY_STOP and not reset().success
+    driver.velocity = None
+    driver.stop(strict)
 
 
 def test_simulated_time_that_was_left_is_refused(driver: Driver) -> None:
