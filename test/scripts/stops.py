@@ -13,6 +13,8 @@ from seater_msgs.msg import DockResult, GateState
 
 
 class Stops(DockingCase):
+    simulator = "/plant"
+
     def setUp(self) -> None:
         super().setUp()
         self.emergency_stop = rospy.Publisher("emergency_stop", Bool, queue_size=1)
@@ -24,7 +26,7 @@ class Stops(DockingCase):
 
     def test_stops_by_a_person(self) -> None:
         self.press(True)
-        self.start()
+        self.client.send()
         self.ends_with(DockResult.EMERGENCY_STOP, "the emergency stop is pressed")
         self.press(False)
         self.stays()
@@ -53,7 +55,7 @@ class Stops(DockingCase):
         self.joystick.publish(message)
 
     def drive(self) -> None:
-        self.start()
+        self.client.send()
         self.wait(lambda: self.truth[-1][4] > 0.1 or self.client.done(), "the chair to drive")
         self.assertFalse(self.client.done(), "the goal has ended")
 
@@ -65,7 +67,7 @@ class Stops(DockingCase):
         self.let_pass(1.0)
         self.assert_standing()
         where = self.truth[-1][1:4]
-        self.let_pass(2.0)
+        self.let_pass(1.0)
         self.assertEqual(where, self.truth[-1][1:4])
         self.assert_standing()
 
