@@ -36,6 +36,7 @@ void VelocityGate::notice(double now) {
   if (started_) stop(now, GateState::kFault, "the clock jumped backward");
   // What was stored before the jump would stay fresh until the clock is back there.
   joystick_ = Joystick(parameters_, now);
+  zone_.forget();
   insisted_ = -1e9;
   pressed_time_ = now;
   last_time_ = now;
@@ -104,6 +105,10 @@ std::string VelocityGate::emergency(double now) const {
   return reset_due_ ? "the emergency stop was released, but not reset (gate_reset)" : "";
 }
 
+void VelocityGate::speedLimit(double from, double limit) {
+  if (!zone_.told(from, limit)) ++refused_;
+}
+
 void VelocityGate::fault(double now, const std::string& reason) {
   notice(now);
   fault_ = reason;
@@ -150,12 +155,12 @@ Velocity VelocityGate::output(double now) {
   notice(now);
   const Velocity asked = wanted(now);
   const GateParameters& p = parameters_;
-  const Velocity bounded{std::clamp(asked.linear, -p.v_reverse_max, p.v_max),
-                         std::clamp(asked.angular, -p.omega_max, p.omega_max)};
-  if (bounded.linear != asked.linear || bounded.angular != asked.angular) ++limited_;
-
   // A late clock gives no time to change the speed in.
   const double step = std::clamp(now - last_time_, 0.0, kLongestStep);
+  const double zone = zone_.limit(now, linear_.speed(), p.a_max * step);
+  const Velocity bounded{std::clamp(asked.linear, -std::min(zone, p.v_reverse_max), std::min(zone, p.v_max)),
+                         std::clamp(asked.angular, -p.omega_max, p.omega_max)};
+  if (bounded.linear != asked.linear || bounded.angular != asked.angular) ++limited_;
   last_time_ = std::max(last_time_, now);
   return {linear_.advance(bounded.linear, step), angular_.advance(bounded.angular, step)};
 }

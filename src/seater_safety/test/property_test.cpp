@@ -29,10 +29,11 @@ struct Model {
   bool awry = false;       // requests came since that could not be used
   bool pressed = false, heard = false, faulty = false, reset_due = false;
   double pressed_at = -1e9;
-  double deflected_at = -1e9;  // last joystick command above neutral
-  bool deflected = false;      // the newest command is
-  double user_at = 0.0;        // of the newest command, or of the start
-  bool let_go = false;         // since the last stop
+  double deflected_at = -1e9;           // last joystick command above neutral
+  bool deflected = false;               // the newest command is
+  double user_at = 0.0;                 // of the newest command, or of the start
+  double zone = 0.0, zone_from = -1e9;  // largest speed here, and since when
+  bool let_go = false;                  // since the last stop
   double locked_at = 0.0;
 
   bool emergency(double now) const {
@@ -110,6 +111,8 @@ class Sequence {
       press(chance(0.3));
     } else if (kind < 0.80) {
       fault(chance(0.3));
+    } else if (kind < 0.82) {
+      zone(chance(0.9) ? uniform(0.0, 1.0) : -1.0);
     } else if (kind < 0.95) {
       arm(chance(0.9) ? 0 : 1);
     } else if (kind < 0.98) {
@@ -159,6 +162,13 @@ class Sequence {
     model_.look(now_);
   }
 
+  void zone(double limit) {
+    gate_.speedLimit(now_, limit);
+    if (limit < 0.0) return;
+    model_.zone = limit;
+    model_.zone_from = now_;
+  }
+
   void arm(int holder) {
     const bool granted = !gate_.arm(now_, kHolders[holder]).has_value();
     model_.look(now_);
@@ -185,7 +195,7 @@ class Sequence {
     now_ -= uniform(1.0, 100.0);
     gate_.output(now_);
     model_.holder = -1;
-    model_.insisted = -1e9;
+    model_.insisted = model_.zone_from = -1e9;
     model_.deflected = model_.let_go = false;
     model_.user_at = model_.locked_at = model_.pressed_at = now_;
     previous_ = gate_.output(now_);
@@ -206,6 +216,8 @@ class Sequence {
     if (!std::isfinite(output.linear) || !std::isfinite(output.angular)) return "not finite";
     if (output.linear > p.v_max || output.linear < -p.v_reverse_max) return "too fast";
     if (std::abs(output.angular) > p.omega_max) return "turns too fast";
+    const double zone = std::max(model_.zone, std::abs(previous_.linear) - p.a_max * (duration - 2e-9));
+    if (now_ - model_.zone_from < kZoneTimeout && std::abs(output.linear) > zone) return "too fast for the place";
     const double slower = std::abs(previous_.linear) - std::abs(output.linear);
     if (slower > p.a_stop * duration || -slower > p.a_max * duration) return "change of speed";
     if (std::abs(output.linear - previous_.linear) > std::max(p.a_max, p.a_stop) * duration) return "reversed at once";

@@ -17,6 +17,7 @@
 #include "seater_safety/gate_state.h"
 #include "seater_safety/joystick.h"
 #include "seater_safety/ramp.h"
+#include "seater_safety/speed_zone.h"
 
 namespace seater_safety {
 
@@ -54,6 +55,9 @@ class VelocityGate {
   void emergencyStop(double now, bool pressed);
   // After an emergency stop, standing with the joystick let go. Empty: done, or there was nothing to do.
   std::optional<Refusal> reset(double now);
+  // The largest speed [m/s] where the chair is, both ways and whoever drives, from the time `from` [s] on; see
+  // SpeedZone.
+  void speedLimit(double from, double limit);
   // Something round the gate is wrong: zero until `reason` is empty again.
   void fault(double now, const std::string& reason);
 
@@ -98,6 +102,7 @@ class VelocityGate {
   double pressed_time_ = 0.0;  // of the last message, or of the start
   bool reset_due_ = false;
   std::string fault_;
+  SpeedZone zone_;
   Ramp linear_, angular_;
   double last_time_ = 0.0;
   bool started_ = false;

@@ -9,6 +9,7 @@ namespace {
 constexpr double kPeriod = 0.02;             // [s] of the output
 constexpr double kSupervisionPeriod = 0.05;  // [s] of motor_enable
 constexpr unsigned kStateEvery = 2;          // supervisions: gate_state at 10 Hz
+constexpr double kZoneDelay = 0.2;           // [s] of simulated time: four control cycles
 constexpr double kLongestBraking = 1.5;      // [s] before the node ends
 
 Velocity velocityOf(const geometry_msgs::Twist& message) {
@@ -23,7 +24,8 @@ SafetyGateNode::SafetyGateNode(const GateParameters& parameters, bool lock_step)
   request_ = handle_.subscribe("velocity_request", 10, &SafetyGateNode::onRequest, this, prompt);
   user_ = handle_.subscribe("user_cmd_vel", 1, &SafetyGateNode::onUser, this, prompt);
   emergency_stop_ = handle_.subscribe("emergency_stop", 10, &SafetyGateNode::onEmergencyStop, this, prompt);
-  for (const ros::Subscriber& input : {request_, user_, emergency_stop_}) neighbours_.watch(input);
+  speed_limit_ = handle_.subscribe("speed_limit", 10, &SafetyGateNode::onSpeedLimit, this, prompt);
+  for (const ros::Subscriber& input : {request_, user_, emergency_stop_, speed_limit_}) neighbours_.watch(input);
   arm_ = handle_.advertiseService("gate_arm", &SafetyGateNode::onArm, this);
   reset_ = handle_.advertiseService("gate_reset", &SafetyGateNode::onReset, this);
   if (lock_step) {
@@ -69,6 +71,13 @@ void SafetyGateNode::onEmergencyStop(const std_msgs::Bool& message) {
   gate_.emergencyStop(clocks_.now(), message.data != 0);
   if (master_ != nullptr) master_->remember(message.data != 0);
   send(clocks_.now());
+}
+
+// In lock-step it counts from a time that is still to come, so that it does not matter whether it is read before or
+// after the request that was sent next.
+void SafetyGateNode::onSpeedLimit(const seater_msgs::SpeedLimit& message) {
+  const double from = clocks_.lockStep() ? message.header.stamp.toSec() + kZoneDelay : clocks_.now();
+  gate_.speedLimit(from, message.v_max);
 }
 
 bool SafetyGateNode::onArm(ArmEvent& event) {

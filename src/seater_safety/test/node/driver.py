@@ -16,7 +16,7 @@ import yaml
 from geometry_msgs.msg import Twist, TwistStamped
 from std_msgs.msg import Bool
 
-from seater_msgs.msg import GateState
+from seater_msgs.msg import GateState, SpeedLimit
 from seater_msgs.srv import GateArm, GateArmResponse
 
 PERIOD = 0.05  # [s] of the requests
@@ -66,6 +66,7 @@ class Driver:
         self._request = rospy.Publisher("velocity_request", TwistStamped, queue_size=1, tcp_nodelay=True)
         self._user = rospy.Publisher("user_cmd_vel", Twist, queue_size=1, tcp_nodelay=True)
         self._stop = rospy.Publisher("emergency_stop", Bool, queue_size=1, tcp_nodelay=True)
+        self._limit = rospy.Publisher("speed_limit", SpeedLimit, queue_size=1)
         rospy.Subscriber("cmd_vel", Twist, self._on_command, queue_size=1000, tcp_nodelay=True)
         rospy.Subscriber("motor_enable", Bool, lambda m: self.enabled.append((time.monotonic(), m.data)), queue_size=99)
         rospy.Subscriber("gate_state", GateState, lambda m: setattr(self, "state", m), queue_size=10)
@@ -92,7 +93,7 @@ class Driver:
     def connect(self) -> None:
         """Until a gate listens and is heard."""
         self.commands.clear()
-        links = (self._request, self._user, self._stop)
+        links = (self._request, self._user, self._stop, self._limit)
         wait_until(lambda: all(link.get_num_connections() > 0 for link in links), "the gate to listen")
         wait_until(lambda: bool(self.commands), "the gate to send")
 
@@ -115,6 +116,10 @@ class Driver:
         message = Twist()
         message.linear.x = v
         self._user.publish(message)
+
+    def limit_speed(self, v_max: float) -> None:
+        """The largest speed where the chair is [m/s]."""
+        self._limit.publish(SpeedLimit(v_max=v_max))
 
     def press(self, pressed: bool) -> None:
         """The emergency stop; said again until the gate has noticed, as the link may still be that to a dead gate."""

@@ -86,6 +86,16 @@ def test_joystick(driver: Driver, gate: Gate) -> None:
     wait_until(lambda: driver.state.state == GateState.USER, "the joystick to drive")
 
 
+def test_a_slow_zone_holds_for_the_joystick(driver: Driver, gate: Gate) -> None:
+    driver.limit_speed(0.05)
+    for _ in range(10):
+        driver.deflect(0.3)
+        time.sleep(0.05)
+    assert driver.speed == 0.05
+    driver.deflect(0.0)
+    driver.expect_stop(SLACK)
+
+
 def test_a_silent_docking_node(driver: Driver, gate: Gate) -> None:
     """Stopped for a second: braked after 0.25 s, and it does not go on by itself."""
     driver.drive()

@@ -24,6 +24,7 @@ from seater_nmpc.ros.goal_checks import RefusedError, check_goal
 from seater_nmpc.ros.goals import Goals
 from seater_nmpc.ros.obstacles import Obstacles
 from seater_nmpc.ros.publishers import Publishers
+from seater_nmpc.ros.speed_zone import SpeedZone
 from seater_nmpc.sequence.results import ResultCode, Step
 
 ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal
@@ -50,6 +51,7 @@ class DockingNode:
         self._diagnostics = Diagnostics(core.controller, core.observer, self._period)
         self._goals = Goals(self._enqueue)
         self._gate = Gate(self._enqueue, lock_step=lock_step)
+        self._zone = SpeedZone(core.vehicle.chair, core.dock)
         threading.Thread(target=self._work, daemon=True).start()
         threading.Thread(target=self._watch, daemon=True).start()
         rospy.on_shutdown(self._on_shutdown)
@@ -129,6 +131,7 @@ class DockingNode:
         """One control cycle, at the first odometry in each period of message time."""
         self._diagnostics.cycle()
         self._set_obstacles(now)
+        self._tell_zone()
         if self._core.shadow is not None:
             command = self._core.shadow.update(now)
             self._report(self._core.vehicle.command(command or Command(v=0.0, omega=0.0)), "SHADOW")
@@ -144,6 +147,11 @@ class DockingNode:
         estimate = self._core.observer.estimate()
         dock = self._core.observer.prior if estimate is None else estimate.pose
         self._core.controller.set_obstacles(self._obstacles.now(now, self._out.odom_frame, dock))
+
+    def _tell_zone(self) -> None:
+        estimate, newest = self._core.observer.estimate(), self._core.observer.odometry.newest
+        if self._core.shadow is None and estimate is not None and newest is not None:
+            self._zone.update(self._out.stamp, estimate.pose, newest.pose)
 
     def _send(self, step: Step) -> None:
         command = self._core.vehicle.command(step.command)
