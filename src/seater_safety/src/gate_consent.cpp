@@ -8,6 +8,10 @@ bool VelocityGate::insistent(double now) const {
   return now - insisted_ <= parameters_.request_timeout;
 }
 
+bool VelocityGate::holds(double now) const {
+  return parameters_.hold_to_run == 0.0 || (held_ && now - held_time_ <= parameters_.user_timeout);
+}
+
 std::optional<Refusal> VelocityGate::arm(double now, const std::string& holder) {
   notice(now);
   joystick_.update(now);
@@ -15,6 +19,7 @@ std::optional<Refusal> VelocityGate::arm(double now, const std::string& holder) 
   if (!emergency_stop.empty()) return Refusal{GateState::kEmergencyStop, emergency_stop};
   if (!fault_.empty()) return Refusal{GateState::kFault, fault_};
   if (joystick_.deflected(now)) return Refusal{GateState::kUser, "the joystick is deflected"};
+  if (!holds(now)) return Refusal{GateState::kUser, "hold-to-run is not held"};
   if (consent_.held() && !consent_.heldBy(holder)) {
     return Refusal{GateState::kRequest, consent_.holder() + " drives"};
   }
@@ -53,6 +58,7 @@ void VelocityGate::stop(double now, GateState cause, const std::string& reason) 
 
 void VelocityGate::expire(double now) {
   if (!consent_.held()) return;
+  if (!holds(now)) return stop(now, GateState::kUser, "hold-to-run was let go");
   const double silence = now - request_time_;
   const bool idle = zero(request_) && unused_.empty();
   if (silence <= (idle ? parameters_.consent_idle_timeout : parameters_.consent_timeout)) return;

@@ -48,6 +48,8 @@ const std::vector<GateParameter>& gateParameters() {
        "an emergency stop that is silent for so long counts as pressed; 0: it need not speak"},
       {"safety", "emergency_stop_reset", &P::emergency_stop_reset, "", 0.0, 1.0,
        "1: an emergency stop lasts until it is reset by the service gate_reset; 0: until it is released"},
+      {"safety", "hold_to_run", &P::hold_to_run, "", 0.0, 1.0,
+       "1: requests pass only while hold_to_run is told true, silence of user_timeout counts as let go; 0: without"},
   };
   return all;
 }
@@ -63,8 +65,9 @@ std::string GateParameters::check() const {
   if (consent_timeout < request_timeout) return wrong("consent_timeout", consent_timeout, "at least request_timeout");
   const bool heartbeat = emergency_stop_timeout == 0.0 || emergency_stop_timeout >= 0.1;
   if (!heartbeat) return wrong("emergency_stop_timeout", emergency_stop_timeout, "0, or at least 0.1 s");
-  const bool flag = emergency_stop_reset == 0.0 || emergency_stop_reset == 1.0;
-  if (!flag) return wrong("emergency_stop_reset", emergency_stop_reset, "0 or 1");
+  const auto flag = [](double value) { return value == 0.0 || value == 1.0; };
+  if (!flag(emergency_stop_reset)) return wrong("emergency_stop_reset", emergency_stop_reset, "0 or 1");
+  if (!flag(hold_to_run)) return wrong("hold_to_run", hold_to_run, "0 or 1");
   if (request_max_age < request_timeout) return wrong("request_max_age", request_max_age, "at least request_timeout");
   return {};
 }

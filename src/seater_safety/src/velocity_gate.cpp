@@ -37,6 +37,7 @@ void VelocityGate::notice(double now) {
   // What was stored before the jump would stay fresh until the clock is back there.
   joystick_ = Joystick(parameters_, now);
   zone_.forget();
+  held_ = false;
   insisted_ = -1e9;
   pressed_time_ = now;
   last_time_ = now;
@@ -83,15 +84,22 @@ void VelocityGate::user(double now, const Velocity& velocity) {
   if (joystick_.deflected(now)) stop(now, GateState::kUser, "the joystick was moved");
 }
 
+void VelocityGate::holdToRun(double now, bool held) {
+  notice(now);
+  held_ = held;
+  held_time_ = now;
+  expire(now);
+}
+
 void VelocityGate::emergencyStop(double now, bool pressed) {
   notice(now);
   pressed_ = pressed;
   pressed_time_ = now;
   pressed_seen_ = true;
-  if (pressed) hold(now);
+  if (pressed) latchEmergencyStop(now);
 }
 
-void VelocityGate::hold(double now) {
+void VelocityGate::latchEmergencyStop(double now) {
   reset_due_ = parameters_.emergency_stop_reset != 0.0;
   stop(now, GateState::kEmergencyStop, "the emergency stop was pressed");
   joystick_.lock(now);
@@ -121,7 +129,7 @@ Velocity VelocityGate::wanted(double now) {
   joystick_.update(now);
   if (!emergency(now).empty()) {
     state_ = GateState::kEmergencyStop;
-    hold(now);
+    latchEmergencyStop(now);
     return {};
   }
   if (!fault_.empty()) {

@@ -227,6 +227,34 @@ TEST_F(ConsentTest, ASilentEmergencyStopCountsAsPressed) {
   EXPECT_EQ(ask(kForward, 0.2).linear, 0.0) << "latched";
 }
 
+TEST_F(ConsentTest, HoldToRunLetsRequestsPassWhileItIsHeld) {
+  GateParameters p;
+  p.hold_to_run = 1.0;
+  gate_ = VelocityGate(p);
+  gate_.output(now_);
+  EXPECT_EQ(gate_.arm(now_, kDocking)->reason, "hold-to-run is not held");
+  const auto held = [this](double duration) {
+    Velocity output;
+    for (const double end = now_ + duration; now_ < end;) {
+      gate_.holdToRun(now_, true);
+      output = ask(kForward, 0.05);
+    }
+    return output;
+  };
+  gate_.holdToRun(now_, true);
+  ASSERT_TRUE(arm());
+  EXPECT_GT(held(2.0).linear, 0.39);
+  gate_.holdToRun(now_, false);
+  EXPECT_EQ(gate_.status(now_).stop_reason, "hold-to-run was let go");
+  EXPECT_EQ(gate_.status(now_).stopped_by, GateState::kUser);
+  EXPECT_EQ(held(1.0).linear, 0.0) << "held again, without a new goal";
+  ask({}, 0.4);
+  gate_.holdToRun(now_, true);
+  ASSERT_TRUE(arm());
+  held(1.0);
+  EXPECT_EQ(ask(kForward, 1.0).linear, 0.0) << "silence counts as let go";
+}
+
 TEST_F(ConsentTest, AnEmergencyStopMayHaveToBeReset) {
   GateParameters p;
   p.emergency_stop_reset = 1.0;

@@ -33,13 +33,16 @@ struct Model {
   bool deflected = false;               // the newest command is
   double user_at = 0.0;                 // of the newest command, or of the start
   double zone = 0.0, zone_from = -1e9;  // largest speed here, and since when
-  bool let_go = false;                  // since the last stop
+  bool hold = false;                    // hold-to-run, as it was said last
+  double hold_at = -1e9;
+  bool let_go = false;  // since the last stop
   double locked_at = 0.0;
 
   bool emergency(double now) const {
     const bool silent = p.emergency_stop_timeout > 0.0 && (!heard || now - pressed_at > p.emergency_stop_timeout);
     return pressed || silent || reset_due;
   }
+  bool held(double now) const { return p.hold_to_run == 0.0 || (hold && now - hold_at <= p.user_timeout); }
   bool stopped(double now) const { return emergency(now) || faulty; }
   void look(double now) {
     if (stopped(now)) {
@@ -50,6 +53,7 @@ struct Model {
     } else if (now - std::max(user_at, locked_at) > p.user_timeout) {
       let_go = true;
     }
+    if (!held(now)) holder = -1;
     const double patience = zero && !awry ? p.consent_idle_timeout : p.consent_timeout;
     if (holder >= 0 && now - accepted > patience) holder = -1;
   }
@@ -89,6 +93,7 @@ class Sequence {
     }
     if (chance(0.7)) parameters_.emergency_stop_timeout = 0.0;
     parameters_.emergency_stop_reset = std::round(parameters_.emergency_stop_reset);
+    parameters_.hold_to_run = chance(0.2) ? 1.0 : 0.0;
     if (!parameters_.check().empty()) parameters_ = GateParameters{};
     return parameters_;
   }
@@ -111,8 +116,10 @@ class Sequence {
       press(chance(0.3));
     } else if (kind < 0.80) {
       fault(chance(0.3));
-    } else if (kind < 0.82) {
+    } else if (kind < 0.81) {
       zone(chance(0.9) ? uniform(0.0, 1.0) : -1.0);
+    } else if (kind < 0.83) {
+      holdToRun(chance(0.8));
     } else if (kind < 0.95) {
       arm(chance(0.9) ? 0 : 1);
     } else if (kind < 0.98) {
@@ -162,6 +169,13 @@ class Sequence {
     model_.look(now_);
   }
 
+  void holdToRun(bool held) {
+    gate_.holdToRun(now_, held);
+    model_.hold = held;
+    model_.hold_at = now_;
+    model_.look(now_);
+  }
+
   void zone(double limit) {
     gate_.speedLimit(now_, limit);
     if (limit < 0.0) return;
@@ -174,7 +188,7 @@ class Sequence {
     model_.look(now_);
     const bool deflected = model_.deflected && now_ - model_.user_at <= parameters_.user_timeout;
     const bool insists = now_ - model_.insisted <= parameters_.request_timeout;
-    if (granted && (model_.stopped(now_) || deflected || (model_.holder < 0 && insists) ||
+    if (granted && (model_.stopped(now_) || !model_.held(now_) || deflected || (model_.holder < 0 && insists) ||
                     (model_.holder >= 0 && model_.holder != holder))) {
       wrong_ = "a consent was given though something speaks against it";
     }
@@ -196,7 +210,7 @@ class Sequence {
     gate_.output(now_);
     model_.holder = -1;
     model_.insisted = model_.zone_from = -1e9;
-    model_.deflected = model_.let_go = false;
+    model_.deflected = model_.let_go = model_.hold = false;
     model_.user_at = model_.locked_at = model_.pressed_at = now_;
     previous_ = gate_.output(now_);
   }

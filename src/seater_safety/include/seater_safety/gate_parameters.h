@@ -26,6 +26,7 @@ struct GateParameters {
   double angular_jerk_max = 24.0;
   double emergency_stop_timeout = 0.0;
   double emergency_stop_reset = 0.0;
+  double hold_to_run = 0.0;
 
   // Empty when all values can be used; else key and value of the first wrong one and what is allowed.
   std::string check() const;

@@ -50,6 +50,8 @@ class VelocityGate {
   // A joystick command of the person in the seat. Deflected: it has precedence, and the consent ends. Not finite: the
   // joystick counts as let go, and the consent ends.
   void user(double now, const Velocity& velocity);
+  // With the parameter hold_to_run: requests pass while a person holds a button; let go, the consent ends.
+  void holdToRun(double now, bool held);
   // While pressed, the output is zero; with emergency_stop_timeout also while nothing was said for so long, and with
   // emergency_stop_reset until a reset.
   void emergencyStop(double now, bool pressed);
@@ -82,7 +84,8 @@ class VelocityGate {
   std::string reason(double now) const;
   void notice(double now);
   void stop(double now, GateState cause, const std::string& reason);
-  void hold(double now);
+  void latchEmergencyStop(double now);
+  bool holds(double now) const;
   std::string emergency(double now) const;
   bool moving() const { return linear_.speed() != 0.0 || angular_.speed() != 0.0; }
   bool insistent(double now) const;
@@ -97,6 +100,8 @@ class VelocityGate {
   bool request_seen_ = false;  // since the consent
   double insisted_ = -1e9;     // when a request other than zero came last, accepted or not
   std::string unused_;         // why the last request was not accepted
+  bool held_ = false;          // hold-to-run, as it was said last
+  double held_time_ = 0.0;     // of that
   bool pressed_ = false;       // the emergency stop, as it was said last
   bool pressed_seen_ = false;
   double pressed_time_ = 0.0;  // of the last message, or of the start

@@ -25,7 +25,8 @@ SafetyGateNode::SafetyGateNode(const GateParameters& parameters, bool lock_step)
   user_ = handle_.subscribe("user_cmd_vel", 1, &SafetyGateNode::onUser, this, prompt);
   emergency_stop_ = handle_.subscribe("emergency_stop", 10, &SafetyGateNode::onEmergencyStop, this, prompt);
   speed_limit_ = handle_.subscribe("speed_limit", 10, &SafetyGateNode::onSpeedLimit, this, prompt);
-  for (const ros::Subscriber& input : {request_, user_, emergency_stop_, speed_limit_}) neighbours_.watch(input);
+  hold_ = handle_.subscribe("hold_to_run", 10, &SafetyGateNode::onHold, this, prompt);
+  for (const ros::Subscriber& input : {request_, user_, emergency_stop_, speed_limit_, hold_}) neighbours_.watch(input);
   arm_ = handle_.advertiseService("gate_arm", &SafetyGateNode::onArm, this);
   reset_ = handle_.advertiseService("gate_reset", &SafetyGateNode::onReset, this);
   if (lock_step) {
@@ -71,6 +72,10 @@ void SafetyGateNode::onEmergencyStop(const std_msgs::Bool& message) {
   gate_.emergencyStop(clocks_.now(), message.data != 0);
   if (master_ != nullptr) master_->remember(message.data != 0);
   send(clocks_.now());
+}
+
+void SafetyGateNode::onHold(const std_msgs::Bool& message) {
+  gate_.holdToRun(clocks_.now(), message.data != 0);
 }
 
 // In lock-step it counts from a time that is still to come, so that it does not matter whether it is read before or

@@ -1,7 +1,8 @@
 // ROS shell of the velocity gate. Topics and service (relative):
 //   in   velocity_request (geometry_msgs/TwistStamped), user_cmd_vel (geometry_msgs/Twist),
-//        emergency_stop (std_msgs/Bool), speed_limit (seater_msgs/SpeedLimit); gate_arm (seater_msgs/GateArm): consent
-//        for one goal, of the calling node; gate_reset (std_srvs/Trigger): after an emergency stop
+//        emergency_stop and hold_to_run (std_msgs/Bool), speed_limit (seater_msgs/SpeedLimit);
+//        gate_arm (seater_msgs/GateArm): consent for one goal, of the calling node;
+//        gate_reset (std_srvs/Trigger): after an emergency stop
 //   out  cmd_vel (geometry_msgs/Twist), cmd_vel_stamped (geometry_msgs/TwistStamped, with the request's stamp),
 //        motor_enable (std_msgs/Bool), gate_state (seater_msgs/GateState)
 // All callbacks run in one thread.
@@ -38,6 +39,7 @@ class SafetyGateNode {
   void onRequest(const ros::MessageEvent<geometry_msgs::TwistStamped const>& event);
   void onUser(const geometry_msgs::Twist& message);
   void onEmergencyStop(const std_msgs::Bool& message);
+  void onHold(const std_msgs::Bool& message);
   void onSpeedLimit(const seater_msgs::SpeedLimit& message);
   bool onArm(ArmEvent& event);
   bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
@@ -57,7 +59,7 @@ class SafetyGateNode {
   Outputs out_;
   Neighbours neighbours_;
   std::unique_ptr<MasterLink> master_;  // in lock-step none: how fast it answers depends on the machine
-  ros::Subscriber request_, user_, emergency_stop_, speed_limit_;
+  ros::Subscriber request_, user_, emergency_stop_, speed_limit_, hold_;
   ros::ServiceServer arm_, reset_;
   ros::Timer lock_step_timer_;
   ros::SteadyTimer timer_, supervision_;
