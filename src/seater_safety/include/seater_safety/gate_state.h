@@ -31,7 +31,7 @@ struct GateStatus {
   std::string stop_reason;                     // of the end of the last consent; empty: it is held
   bool motion_allowed = false;                 // a consent is held: requests of its holder pass
   std::string holder;                          // of the last consent
-  bool emergency_stop = false;                 // pressed
+  bool emergency_stop = false;                 // pressed, silent for too long, or not reset
   double request_age = -1.0;                   // since the last request that was accepted
   double user_age = -1.0;
   double emergency_stop_age = -1.0;
