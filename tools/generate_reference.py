@@ -2,8 +2,8 @@
 """Write docs/reference/parameters.md from the parameter structs; with --check only say whether the file is up to date.
 
 Run it in the project's environment: `./seater run python3 tools/generate_reference.py`. Keys, defaults, units, ranges
-and meanings come from the dataclasses (Python) and from the structs of seater_perception (by its Python module). Two
-files have no such struct: their tables come from the comments in the files.
+and meanings come from the dataclasses (Python) and from the structs of seater_perception and seater_safety (by their
+Python modules). One file has no such struct: its table comes from the comments in it.
 Exit status: 0 written or up to date, 1 out of date (--check), 2 seater_perception is not built.
 """
 
@@ -13,7 +13,6 @@ import argparse
 import dataclasses
 import difflib
 import itertools
-import math
 import re
 import sys
 import textwrap
@@ -35,8 +34,6 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "reference" / "parameters.md"
 WIDTH = 118
 COMMENT = re.compile(r"^(?P<key>\w+): *(?P<value>[^#]*?) *# *(?:\[(?P<unit>[^]]*)\] *)?(?P<text>.*)$")
-
-SAFETY_RANGES = dict.fromkeys(("a_stop", "alpha_stop", "request_timeout", "user_timeout"), (0.0, math.inf))
 
 INTRODUCTION = """\
 # Parameters
@@ -123,6 +120,18 @@ def perception_groups() -> list[Group]:
     return list(groups_of_description(seater_perception.describe_parameters()))
 
 
+def gate_group() -> Group:
+    """The safety gate's own parameters. Raises ImportError when seater_safety is not built."""
+    import seater_safety
+
+    entries = [
+        Entry(**{key: value for key, value in entry.items() if key != "file"})
+        for entry in seater_safety.describe_parameters()
+        if entry["file"] == "safety"
+    ]
+    return Group("", "", entries)
+
+
 def write_page() -> str:
     """The whole page."""
     config = ROOT / "config"
@@ -132,7 +141,7 @@ def write_page() -> str:
         ("controller.yaml", list(groups_of_dataclass(NmpcParameters, NmpcParameters()))),
         ("perception.yaml", perception_groups()),
         ("identify.yaml", list(groups_of_dataclass(IdentifySettings, IdentifySettings()))),
-        ("safety.yaml", [group_of_comments(config / "safety.yaml", SAFETY_RANGES)]),
+        ("safety.yaml", [gate_group()]),
         ("simulator.yaml", list(groups_of_dataclass(SimulatorSettings, SimulatorSettings()))),
         ("cameras/degraded.yaml", [group_of_comments(config / "cameras" / "degraded.yaml", RANGES)]),
     )

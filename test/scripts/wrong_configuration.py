@@ -31,16 +31,18 @@ def everything() -> dict:
 
 
 class WrongConfiguration(unittest.TestCase):
-    def refuses(self, package: str, executable: str, path: str, value: object, says: tuple[str, ...] = ()) -> None:
+    def refuses(
+        self, package: str, executable: str, path: str, value: object, says: tuple[str, ...] = (), known: bool = True
+    ) -> None:
         """With the parameter at `path` replaced (None: removed) the node ends by itself and names the key, or `says`
-        something else."""
+        something else, and the value of a `known` key."""
         node = f"{executable}_{path.replace('/', '_')}"
         values = everything()
         *parents, last = path.split("/")
         inner = values
         for key in parents:
             inner = inner[key]
-        del inner[last]
+        inner.pop(last, None)
         if value is not None:
             inner[last] = value
         rosgraph.Master("/test").setParam("/" + node, values)
@@ -50,7 +52,7 @@ class WrongConfiguration(unittest.TestCase):
         for words in says or (path,):
             self.assertIn(words, run.stdout)
         self.assertNotIn("Traceback", run.stdout)
-        if value is not None:
+        if value is not None and known:
             self.assertIn(str(value), run.stdout)
 
     def test_docking_node(self) -> None:
@@ -69,6 +71,10 @@ class WrongConfiguration(unittest.TestCase):
 
     def test_safety_gate(self) -> None:
         self.refuses("seater_safety", "safety_gate", "safety/request_timeout", None)
+        self.refuses("seater_safety", "safety_gate", "safety/request_timeout", 30)
+        self.refuses("seater_safety", "safety_gate", "safety/a_stop", 0.01)
+        self.refuses("seater_safety", "safety_gate", "safety/a_stopp", 1.5, known=False)
+        self.refuses("seater_safety", "safety_gate", "chair/limits/v_max", 50)
 
     def test_marker_detector(self) -> None:
         self.refuses("seater_perception", "marker_detector", "dock/dictionary", None)

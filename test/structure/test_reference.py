@@ -58,6 +58,12 @@ def test_every_message_and_status_is_listed() -> None:
         assert set(re.findall(r"^\| (\d+) \| ([A-Z_]+) \|", section(title), re.MULTILINE)) == constants
 
 
+def test_the_states_of_the_gate_are_those_of_its_message() -> None:
+    message = (ROOT / "src/seater_msgs/msg/GateState.msg").read_text()
+    listed = re.findall(r"^\| (\d) \| ([A-Z_]+) \|", (ROOT / "docs/safety.md").read_text(), re.MULTILINE)
+    assert listed == [(number, name) for name, number in CONSTANT.findall(message)]
+
+
 def test_every_topic_of_the_docking_node_is_listed() -> None:
     source = "".join(path.read_text() for path in ROOT.glob("src/seater_nmpc/src/seater_nmpc/ros/*.py"))
     published = set(re.findall(r"rospy\.Publisher\(\s*\"(\w+)\"", source))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from campaign_plans import FILES, campaign, job
 
+import seater_safety
 from seater_common.geometry import Chair
 from seater_common.params import ParameterError
 from seater_eval.campaign.drive import docking
@@ -17,7 +18,7 @@ from seater_eval.campaign.drive.job import docking_row, prepare, run_case
 from seater_eval.campaign.setup.campaign_file import Campaign
 from seater_eval.campaign.setup.cases import draw_case
 
-SAFETY = {"a_stop": 1.5, "alpha_stop": 3.0, "request_timeout": 0.25, "user_timeout": 0.5}
+SAFETY = {e["key"]: e["default"] for e in seater_safety.describe_parameters() if e["file"] == "safety"}
 
 
 def shortened(made: Campaign, longest: float) -> Campaign:

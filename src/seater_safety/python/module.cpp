@@ -1,6 +1,9 @@
 // Python module seater_safety: the velocity gate that the node safety_gate runs, for simulations without ROS. Meanings,
 // units and what is refused: velocity_gate.h.
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <map>
 
 #include "seater_safety/velocity_gate.h"
 
@@ -10,10 +13,30 @@ using namespace pybind11::literals;
 
 namespace {
 
-/// Every parameter by name, because nine numbers in a row are too easily swapped.
-ss::GateParameters parametersOf(double v_max, double v_reverse_max, double omega_max, double a_max, double alpha_max,
-                                double a_stop, double alpha_stop, double request_timeout, double user_timeout) {
-  return {v_max, v_reverse_max, omega_max, a_max, alpha_max, a_stop, alpha_stop, request_timeout, user_timeout};
+constexpr const char* kHolder = "requester";
+
+// Every parameter by name, because so many numbers in a row are too easily swapped.
+ss::GateParameters parametersOf(std::map<std::string, double> values) {
+  ss::GateParameters parameters;
+  for (const ss::GateParameter& parameter : ss::gateParameters()) {
+    const auto found = values.find(parameter.key);
+    if (found == values.end()) throw py::value_error(std::string(parameter.key) + ": is missing");
+    parameters.*parameter.value = found->second;
+    values.erase(found);
+  }
+  if (!values.empty()) throw py::value_error(values.begin()->first + ": is no parameter of the safety gate");
+  return parameters;
+}
+
+py::list describeParameters() {
+  const ss::GateParameters defaults;
+  py::list all;
+  for (const ss::GateParameter& parameter : ss::gateParameters()) {
+    all.append(py::dict("file"_a = parameter.file, "key"_a = parameter.key, "default"_a = defaults.*parameter.value,
+                        "unit"_a = parameter.unit, "low"_a = parameter.low, "high"_a = parameter.high,
+                        "text"_a = parameter.text));
+  }
+  return all;
 }
 
 void bindGate(py::module_& m) {
@@ -23,29 +46,34 @@ void bindGate(py::module_& m) {
       .value("USER", ss::GateState::kUser)
       .value("STALE", ss::GateState::kStale)
       .value("REFUSED", ss::GateState::kRefused)
-      .value("EMERGENCY_STOP", ss::GateState::kEmergencyStop);
+      .value("EMERGENCY_STOP", ss::GateState::kEmergencyStop)
+      .value("FAULT", ss::GateState::kFault);
   py::class_<ss::VelocityGate>(m, "VelocityGate",
                                "The last gate before the motors. Speeds (v [m/s], omega [rad/s]), times [s].")
-      .def(py::init([](double v_max, double v_reverse_max, double omega_max, double a_max, double alpha_max,
-                       double a_stop, double alpha_stop, double request_timeout, double user_timeout) {
-             return ss::VelocityGate(parametersOf(v_max, v_reverse_max, omega_max, a_max, alpha_max, a_stop, alpha_stop,
-                                                  request_timeout, user_timeout));
+      .def(py::init([](const py::kwargs& values) {
+             return ss::VelocityGate(parametersOf(values.cast<std::map<std::string, double>>()));
            }),
-           py::kw_only(), "v_max"_a, "v_reverse_max"_a, "omega_max"_a, "a_max"_a, "alpha_max"_a, "a_stop"_a,
-           "alpha_stop"_a, "request_timeout"_a, "user_timeout"_a, "Raises ValueError: not finite, or not above zero.")
+           "Takes every parameter by name. Raises ValueError: missing, unknown or out of range.")
+      .def(
+          "arm",
+          [](ss::VelocityGate& gate, double now) {
+            const auto refusal = gate.arm(now, kHolder);
+            return refusal ? refusal->reason : std::string();
+          },
+          "now"_a, "Requests pass from now on; else why not.")
       .def(
           "request",
           [](ss::VelocityGate& gate, double now, double v, double omega) {
-            gate.request(now, {v, omega});
+            gate.request(now, kHolder, {v, omega});
           },
-          "now"_a, "v"_a, "omega"_a, "A request of the docking controller; not finite: refused, counts as zero.")
+          "now"_a, "v"_a, "omega"_a, "A request of the docking controller; not finite: the consent ends.")
       .def(
           "user",
           [](ss::VelocityGate& gate, double now, double v, double omega) {
             gate.user(now, {v, omega});
           },
-          "now"_a, "v"_a, "omega"_a, "The joystick, which has precedence while it is recent.")
-      .def("emergency_stop", &ss::VelocityGate::emergencyStop, "pressed"_a)
+          "now"_a, "v"_a, "omega"_a, "The joystick, which has precedence while it is deflected.")
+      .def("emergency_stop", &ss::VelocityGate::emergencyStop, "now"_a, "pressed"_a)
       .def(
           "output",
           [](ss::VelocityGate& gate, double now) {
@@ -54,6 +82,9 @@ void bindGate(py::module_& m) {
           },
           "now"_a, "(v, omega) for the motors at `now`.")
       .def_property_readonly("state", &ss::VelocityGate::state)
+      .def(
+          "reason", [](const ss::VelocityGate& gate, double now) { return gate.status(now).reason; }, "now"_a,
+          "The state in words.")
       .def_property_readonly("refused", &ss::VelocityGate::refused, "requests that were not finite")
       .def_property_readonly("limited", &ss::VelocityGate::limited, "outputs that a speed limit changed");
 }
@@ -61,6 +92,7 @@ void bindGate(py::module_& m) {
 }  // namespace
 
 PYBIND11_MODULE(seater_safety, m) {
-  m.doc() = "The velocity gate before the motors (docs/reference/interfaces.md).";
+  m.doc() = "The velocity gate before the motors (docs/safety.md).";
+  m.def("describe_parameters", &describeParameters, "Key, default, unit, range and meaning of every parameter.");
   bindGate(m);
 }

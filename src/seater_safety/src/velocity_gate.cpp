@@ -1,11 +1,10 @@
 #include "seater_safety/velocity_gate.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
-#include <utility>
+
+#include "words.h"
 
 namespace seater_safety {
 namespace {
@@ -13,133 +12,165 @@ namespace {
 // Longest time for which the speed may change in one call: a pause must not become a jump of speed.
 constexpr double kLongestStep = 0.1;  // [s]
 
-// A smaller step backward of the clock is lateness of a message, not a jump.
-constexpr double kLateness = 0.25;  // [s]
-
 bool finite(const Velocity& velocity) {
   return std::isfinite(velocity.linear) && std::isfinite(velocity.angular);
 }
 
-// One step from `last` towards `wanted`, of at most `faster` away from zero or `slower` towards it.
-double approach(double last, double wanted, double faster, double slower) {
-  // Crossing zero stops at zero first: beyond it the other limit applies.
-  if (last > 0.0 && wanted < 0.0) return std::max(0.0, last - slower);
-  if (last < 0.0 && wanted > 0.0) return std::min(0.0, last + slower);
-  const double step = std::abs(wanted) > std::abs(last) ? faster : slower;
-  return std::clamp(wanted, last - step, last + step);
-}
-
 }  // namespace
 
-std::string GateParameters::check() const {
-  const std::array<std::pair<const char*, double>, 9> values = {{{"v_max", v_max},
-                                                                 {"v_reverse_max", v_reverse_max},
-                                                                 {"omega_max", omega_max},
-                                                                 {"a_max", a_max},
-                                                                 {"alpha_max", alpha_max},
-                                                                 {"a_stop", a_stop},
-                                                                 {"alpha_stop", alpha_stop},
-                                                                 {"request_timeout", request_timeout},
-                                                                 {"user_timeout", user_timeout}}};
-  for (const auto& [name, value] : values) {
-    if (std::isfinite(value) && value > 0.0) continue;
-    std::ostringstream text;
-    text << name << ": is " << value << ", must be finite and > 0";
-    return text.str();
-  }
-  return {};
-}
-
-std::string toString(GateState state) {
-  switch (state) {
-    case GateState::kStopped:
-      return "stopped, nobody asks";
-    case GateState::kRequest:
-      return "docking controller";
-    case GateState::kUser:
-      return "joystick";
-    case GateState::kStale:
-      return "request too old, stopping";
-    case GateState::kRefused:
-      return "request not finite, stopping";
-    case GateState::kEmergencyStop:
-      return "emergency stop";
-  }
-  return "unknown";
-}
-
-VelocityGate::VelocityGate(const GateParameters& parameters) : parameters_(parameters) {
+VelocityGate::VelocityGate(const GateParameters& parameters)
+    : parameters_(parameters),
+      joystick_(parameters, 0.0),
+      linear_({parameters.a_max, parameters.a_stop, parameters.jerk_max}),
+      angular_({parameters.alpha_max, parameters.alpha_stop, parameters.angular_jerk_max}) {
   const std::string problem = parameters.check();
   if (!problem.empty()) throw std::invalid_argument(problem);
-}
-
-void VelocityGate::store(Source& source, double now, const Velocity& velocity) {
-  source.refused = !finite(velocity);
-  if (source.refused) ++refused_;
-  source.velocity = source.refused ? Velocity{} : velocity;
-  source.time = now;
-  source.seen = true;
 }
 
 double VelocityGate::requestTime(double now, double stamp) {
   return stamp > now && stamp <= now + kLateness ? stamp : now;
 }
 
-void VelocityGate::request(double now, const Velocity& velocity) {
-  store(request_, now, velocity);
+void VelocityGate::notice(double now) {
+  if (started_ && now >= last_time_ - kLateness) return;
+  if (started_) stop(now, GateState::kFault, "the clock jumped backward");
+  // What was stored before the jump would stay fresh until the clock is back there.
+  joystick_ = Joystick(parameters_, now);
+  zone_.forget();
+  held_ = false;
+  insisted_ = -1e9;
+  pressed_time_ = now;
+  last_time_ = now;
+  started_ = true;
+}
+
+void VelocityGate::request(double now, const std::string& sender, const Velocity& velocity, double age) {
+  notice(now);
+  if (!zero(velocity)) insisted_ = now;
+  if (!finite(velocity)) {
+    ++refused_;
+    stop(now, GateState::kRefused, "a velocity request of " + sender + " was not finite");
+    return;
+  }
+  unused_.clear();
+  if (consent_.held() && !consent_.heldBy(sender)) {
+    unused_ = sender + " sends velocity requests, though " + consent_.holder() + " drives";
+    stop(now, GateState::kFault, unused_);
+  } else if (!consent_.held()) {
+    unused_ = zero(velocity) ? "" : sender + " sends velocity requests without consent";
+  } else if (std::isinf(age)) {
+    unused_ = "the velocity requests have no stamp";
+  } else if (!(age <= parameters_.request_max_age)) {
+    unused_ = seconds("the stamp of the velocity requests is ", age, " old");
+  } else if (!(age >= -kLateness)) {
+    unused_ = seconds("the stamp of the velocity requests is ", -age, " in the future");
+  } else {
+    request_ = velocity;
+    request_time_ = now;
+    request_seen_ = true;
+    return;
+  }
+  ++ignored_;
 }
 
 void VelocityGate::user(double now, const Velocity& velocity) {
-  store(user_, now, velocity);
+  notice(now);
+  const bool usable = finite(velocity);
+  if (!usable) {
+    ++refused_;
+    stop(now, GateState::kRefused, "a joystick command was not finite");
+  }
+  joystick_.command(now, usable ? velocity : Velocity{});
+  if (joystick_.deflected(now)) stop(now, GateState::kUser, "the joystick was moved");
 }
 
-bool VelocityGate::fresh(const Source& source, double now, double timeout) {
-  return source.seen && now - source.time <= timeout;
+void VelocityGate::holdToRun(double now, bool held) {
+  notice(now);
+  held_ = held;
+  held_time_ = now;
+  expire(now);
+}
+
+void VelocityGate::emergencyStop(double now, bool pressed) {
+  notice(now);
+  pressed_ = pressed;
+  pressed_time_ = now;
+  pressed_seen_ = true;
+  if (pressed) latchEmergencyStop(now);
+}
+
+void VelocityGate::latchEmergencyStop(double now) {
+  reset_due_ = parameters_.emergency_stop_reset != 0.0;
+  stop(now, GateState::kEmergencyStop, "the emergency stop was pressed");
+  joystick_.lock(now);
+}
+
+std::string VelocityGate::emergency(double now) const {
+  if (pressed_) return "the emergency stop is pressed";
+  const double timeout = parameters_.emergency_stop_timeout;
+  const bool silent = timeout > 0.0 && (!pressed_seen_ || now - pressed_time_ > timeout);
+  if (silent) return "the emergency stop is silent, which counts as pressed";
+  return reset_due_ ? "the emergency stop was released, but not reset (gate_reset)" : "";
+}
+
+void VelocityGate::speedLimit(double from, double limit) {
+  if (!zone_.told(from, limit)) ++refused_;
+}
+
+void VelocityGate::fault(double now, const std::string& reason) {
+  notice(now);
+  fault_ = reason;
+  if (reason.empty()) return;
+  stop(now, GateState::kFault, reason);
+  joystick_.lock(now);
 }
 
 Velocity VelocityGate::wanted(double now) {
-  if (emergency_stop_) {
+  joystick_.update(now);
+  if (!emergency(now).empty()) {
     state_ = GateState::kEmergencyStop;
+    latchEmergencyStop(now);
     return {};
   }
-  if (fresh(user_, now, parameters_.user_timeout)) {
-    state_ = user_.refused ? GateState::kRefused : GateState::kUser;
-    return user_.velocity;
+  if (!fault_.empty()) {
+    state_ = GateState::kFault;
+    joystick_.lock(now);
+    return {};
   }
-  if (fresh(request_, now, parameters_.request_timeout)) {
-    state_ = request_.refused ? GateState::kRefused : GateState::kRequest;
-    return request_.velocity;
+  if (joystick_.drives(now)) {
+    state_ = GateState::kUser;
+    return joystick_.velocity();
   }
-  const bool moving = last_.linear != 0.0 || last_.angular != 0.0;
-  state_ = moving ? GateState::kStale : GateState::kStopped;
+  return requested(now);
+}
+
+Velocity VelocityGate::requested(double now) {
+  expire(now);
+  if (!consent_.held()) {
+    const bool refused = moving() && consent_.endedBy() == GateState::kRefused;
+    state_ = refused ? GateState::kRefused : GateState::kStopped;
+    return {};
+  }
+  if (request_seen_ && now - request_time_ <= parameters_.request_timeout) {
+    state_ = GateState::kRequest;
+    return request_;
+  }
+  state_ = moving() ? GateState::kStale : GateState::kStopped;
   return {};
 }
 
-void VelocityGate::noticeTimeJump(double now) {
-  if (!started_ || now >= last_time_ - kLateness) return;
-  // Sources of the time before the jump would stay fresh until the clock is back there. One that was stored just now
-  // is older than nothing, and stays.
-  for (Source* source : {&request_, &user_}) {
-    if (source->time > now) source->seen = false;
-  }
-  last_time_ = now;
-}
-
 Velocity VelocityGate::output(double now) {
-  noticeTimeJump(now);
+  notice(now);
   const Velocity asked = wanted(now);
   const GateParameters& p = parameters_;
-  const Velocity bounded{std::clamp(asked.linear, -p.v_reverse_max, p.v_max),
+  // A late clock gives no time to change the speed in.
+  const double step = std::clamp(now - last_time_, 0.0, kLongestStep);
+  const double zone = zone_.limit(now, linear_.speed(), p.a_max * step);
+  const Velocity bounded{std::clamp(asked.linear, -std::min(zone, p.v_reverse_max), std::min(zone, p.v_max)),
                          std::clamp(asked.angular, -p.omega_max, p.omega_max)};
   if (bounded.linear != asked.linear || bounded.angular != asked.angular) ++limited_;
-
-  // A late clock gives no time to change the speed in.
-  const double step = started_ ? std::clamp(now - last_time_, 0.0, kLongestStep) : kLongestStep;
-  last_.linear = approach(last_.linear, bounded.linear, p.a_max * step, p.a_stop * step);
-  last_.angular = approach(last_.angular, bounded.angular, p.alpha_max * step, p.alpha_stop * step);
   last_time_ = std::max(last_time_, now);
-  started_ = true;
-  return last_;
+  return {linear_.advance(bounded.linear, step), angular_.advance(bounded.angular, step)};
 }
 
 }  // namespace seater_safety

@@ -1,38 +1,34 @@
 // The last gate before the motors, without ROS.
 //
-// The output is always finite and within the limits of speed and acceleration. It goes to zero when there is no recent
-// request from the docking controller or the joystick. Times are seconds of one clock; a jump backward discards all
-// earlier requests. Speeds are m/s and rad/s in base_link (x forward, anticlockwise positive).
+// The output is always finite and within the limits of speed and acceleration. Requests pass while their sender holds
+// a consent, which is asked for once per goal (`arm`). Emergency stop, joystick, silence, a request that is not finite
+// and a fault end the consent: from then on the output is zero until somebody asks anew, whatever comes in. Only the
+// joystick needs no consent.
+//
+// Times are seconds of one clock that runs forward; a jump backward ends the consent. Speeds are m/s and rad/s in
+// base_link (x forward, anticlockwise positive).
 #pragma once
 
+#include <optional>
 #include <string>
+
+#include "seater_safety/consent.h"
+#include "seater_safety/gate_parameters.h"
+#include "seater_safety/gate_state.h"
+#include "seater_safety/joystick.h"
+#include "seater_safety/ramp.h"
+#include "seater_safety/speed_zone.h"
 
 namespace seater_safety {
 
-struct Velocity {
-  double linear = 0.0;   // [m/s] forward
-  double angular = 0.0;  // [rad/s] anticlockwise
+// A smaller step backward of the clock, or stamp in the future, is lateness of a message.
+constexpr double kLateness = 0.25;  // [s]
+
+// Why no consent is given.
+struct Refusal {
+  GateState state;
+  std::string reason;
 };
-
-// Limits and time-outs of the gate. Every value must be positive and finite (see `check`).
-struct GateParameters {
-  double v_max = 0.6;             // [m/s] forward
-  double v_reverse_max = 0.3;     // [m/s] backward
-  double omega_max = 0.8;         // [rad/s] both ways
-  double a_max = 0.5;             // [m/s^2] speeding up
-  double alpha_max = 1.0;         // [rad/s^2] turning faster
-  double a_stop = 1.5;            // [m/s^2] slowing down; larger than a_max: a stop may be harder than comfortable
-  double alpha_stop = 3.0;        // [rad/s^2] slowing the turn down
-  double request_timeout = 0.25;  // [s] an older request is ignored
-  double user_timeout = 0.5;      // [s] the joystick has precedence for this long after its last command
-
-  // Empty when all values are valid, else name and value of the first wrong one and what is allowed.
-  std::string check() const;
-};
-
-enum class GateState { kStopped, kRequest, kUser, kStale, kRefused, kEmergencyStop };
-
-std::string toString(GateState state);
 
 class VelocityGate {
  public:
@@ -44,44 +40,80 @@ class VelocityGate {
   // far in the future is ignored.
   static double requestTime(double now, double stamp);
 
-  // A request of the docking controller. One that is not finite is refused and counts as a request for zero.
-  void request(double now, const Velocity& velocity);
-  // A joystick command of the person in the seat; it has precedence while it is recent. Not finite: refused, as above.
-  void user(double now, const Velocity& velocity);
-  // While pressed, the requested velocity is zero.
-  void emergencyStop(bool pressed) { emergency_stop_ = pressed; }
+  // `holder` asks that its requests pass: a person has given it a goal. Empty: they do from now on.
+  std::optional<Refusal> arm(double now, const std::string& holder);
 
-  // The velocity for the motors at `now` [s]. To be called after each request and at a steady rate without requests.
+  // A velocity request; `age` [s]: from its stamp until now, by the clock of the stamp; infinite: it has no stamp. It
+  // is used when its sender holds the consent and its age is within -kLateness .. request_max_age. One that is not
+  // finite, or comes from somebody else while a consent is held, ends the consent.
+  void request(double now, const std::string& sender, const Velocity& velocity, double age = 0.0);
+  // A joystick command of the person in the seat. Deflected: it has precedence, and the consent ends. Not finite: the
+  // joystick counts as let go, and the consent ends.
+  void user(double now, const Velocity& velocity);
+  // With the parameter hold_to_run: requests pass while a person holds a button; let go, the consent ends.
+  void holdToRun(double now, bool held);
+  // While pressed, the output is zero; with emergency_stop_timeout also while nothing was said for so long, and with
+  // emergency_stop_reset until a reset.
+  void emergencyStop(double now, bool pressed);
+  // After an emergency stop, standing with the joystick let go. Empty: done, or there was nothing to do.
+  std::optional<Refusal> reset(double now);
+  // The largest speed [m/s] where the chair is, both ways and whoever drives, from the time `from` [s] on; see
+  // SpeedZone.
+  void speedLimit(double from, double limit);
+  // Something round the gate is wrong: zero until `reason` is empty again.
+  void fault(double now, const std::string& reason);
+
+  // Ends the consent when its holder was silent for too long; `output` does the same.
+  void expire(double now);
+  // The velocity for the motors at `now` [s]. To be called after each input and at a steady rate without inputs.
   Velocity output(double now);
 
+  // Whether the motors may have power: not during an emergency stop or a fault, once the output is zero.
+  bool motorsEnabled(double now) const { return moving() || (emergency(now).empty() && fault_.empty()); }
+
   GateState state() const { return state_; }
-  // Requests that were not finite, since the start.
+  GateStatus status(double now) const;
+  // Requests and joystick commands that were not finite, since the start.
   unsigned refused() const { return refused_; }
+  // Requests without consent, or too old or too new, since the start.
+  unsigned ignored() const { return ignored_; }
   // Outputs that differ from the request because of a speed limit, since the start.
   unsigned limited() const { return limited_; }
 
  private:
-  struct Source {
-    Velocity velocity;
-    double time = 0.0;
-    bool seen = false;
-    bool refused = false;
-  };
-
-  void store(Source& source, double now, const Velocity& velocity);
-  void noticeTimeJump(double now);
-  static bool fresh(const Source& source, double now, double timeout);
+  std::string reason(double now) const;
+  void notice(double now);
+  void stop(double now, GateState cause, const std::string& reason);
+  void latchEmergencyStop(double now);
+  bool holds(double now) const;
+  std::string emergency(double now) const;
+  bool moving() const { return linear_.speed() != 0.0 || angular_.speed() != 0.0; }
+  bool insistent(double now) const;
   Velocity wanted(double now);
+  Velocity requested(double now);
 
   GateParameters parameters_;
-  Source request_;
-  Source user_;
-  bool emergency_stop_ = false;
-  Velocity last_;
+  Joystick joystick_;
+  Consent consent_;
+  Velocity request_;           // the last one that was accepted
+  double request_time_ = 0.0;  // of it, or of the consent
+  bool request_seen_ = false;  // since the consent
+  double insisted_ = -1e9;     // when a request other than zero came last, accepted or not
+  std::string unused_;         // why the last request was not accepted
+  bool held_ = false;          // hold-to-run, as it was said last
+  double held_time_ = 0.0;     // of that
+  bool pressed_ = false;       // the emergency stop, as it was said last
+  bool pressed_seen_ = false;
+  double pressed_time_ = 0.0;  // of the last message, or of the start
+  bool reset_due_ = false;
+  std::string fault_;
+  SpeedZone zone_;
+  Ramp linear_, angular_;
   double last_time_ = 0.0;
   bool started_ = false;
   GateState state_ = GateState::kStopped;
   unsigned refused_ = 0;
+  unsigned ignored_ = 0;
   unsigned limited_ = 0;
 };
 

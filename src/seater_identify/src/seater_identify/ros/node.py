@@ -1,7 +1,8 @@
 """The node for a real chair: drives the script through the safety gate, records, estimates at the end.
 
-Topics: in `odom`, `cmd_vel_stamped` (what the gate let through), `dock_pose`; out `velocity_request`. Services:
-`~start` begins the drive, `~cancel` stops it (std_srvs/Trigger). Nothing moves before `~start`.
+Topics: in `odom`, `cmd_vel_stamped` (what the gate let through), `gate_state`, `dock_pose`; out `velocity_request`.
+Services: `~start` begins the drive, `~cancel` stops it (std_srvs/Trigger). Nothing moves before `~start`, which asks
+the gate for consent.
 Private parameters: ~chair and ~identify (the files in config/), ~chair_file, ~controller_file, ~results (paths).
 """
 
@@ -27,6 +28,8 @@ from seater_identify.report.folder import Sources, write_folder
 from seater_identify.report.table import describe
 from seater_identify.result.identify import identify
 from seater_identify.settings import IdentifySettings
+from seater_msgs.msg import GateState
+from seater_msgs.srv import GateArm
 
 ZEROS = 10  # commands of zero after the end
 
@@ -41,10 +44,12 @@ class IdentifyNode:
         self._sources = Sources(Path(rospy.get_param("~controller_file")), Path(rospy.get_param("~chair_file")))
         self._results = Path(rospy.get_param("~results")).expanduser()
         self._rows: dict[str, list[Any]] = {"command": [], "odometry": [], "dock": [], "covariance": []}
-        self._lock, self._zeros = threading.Lock(), 0
+        self._lock, self._zeros, self._consent = threading.Lock(), 0, 0
+        self._arm = rospy.ServiceProxy("gate_arm", GateArm)
         self._out = rospy.Publisher("velocity_request", TwistStamped, queue_size=10)
         rospy.Subscriber("odom", Odometry, self._on_odometry, queue_size=100, tcp_nodelay=True)
         rospy.Subscriber("cmd_vel_stamped", TwistStamped, self._on_command, queue_size=100, tcp_nodelay=True)
+        rospy.Subscriber("gate_state", GateState, self._on_gate, queue_size=10, tcp_nodelay=True)
         rospy.Subscriber("dock_pose", PoseWithCovarianceStamped, self._on_dock, queue_size=100)
         rospy.Service("~start", Trigger, self._on_start)
         rospy.Service("~cancel", Trigger, self._on_cancel)
@@ -76,8 +81,21 @@ class IdentifyNode:
         if self._driver.state is DriveState.DRIVING or self._zeros > 0:
             self._rows[kind].append(row)
 
-    def _on_start(self, _: Any) -> TriggerResponse:
+    def _on_gate(self, message: GateState) -> None:
         with self._lock:
+            if self._consent and message.consent == self._consent and not message.motion_allowed:
+                self._consent = 0
+                self._driver.stop(message.stop_reason)
+
+    def _on_start(self, _: Any) -> TriggerResponse:
+        try:
+            answer = self._arm()
+        except rospy.ServiceException as error:
+            return TriggerResponse(False, f"the safety gate does not answer: {error}")
+        if not answer.granted:
+            return TriggerResponse(False, answer.reason)
+        with self._lock:
+            self._consent = answer.consent
             started = self._driver.start(rospy.get_time())
             return TriggerResponse(started, self._driver.text)
 

@@ -19,10 +19,12 @@ from seater_nmpc.control.command import Command
 from seater_nmpc.ros import conversions
 from seater_nmpc.ros.core import flag, load_core
 from seater_nmpc.ros.diagnostics import Diagnostics
+from seater_nmpc.ros.gate import Gate, Loss
 from seater_nmpc.ros.goal_checks import RefusedError, check_goal
 from seater_nmpc.ros.goals import Goals
 from seater_nmpc.ros.obstacles import Obstacles
 from seater_nmpc.ros.publishers import Publishers
+from seater_nmpc.ros.speed_zone import SpeedZone
 from seater_nmpc.sequence.results import ResultCode, Step
 
 ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal
@@ -48,6 +50,8 @@ class DockingNode:
         self._obstacles = Obstacles(self._tf, self._dock_frame, core.parameters.sequence.obstacle_timeout)
         self._diagnostics = Diagnostics(core.controller, core.observer, self._period)
         self._goals = Goals(self._enqueue)
+        self._gate = Gate(self._enqueue, lock_step=lock_step)
+        self._zone = SpeedZone(core.vehicle.chair, core.dock)
         threading.Thread(target=self._work, daemon=True).start()
         threading.Thread(target=self._watch, daemon=True).start()
         rospy.on_shutdown(self._on_shutdown)
@@ -81,6 +85,8 @@ class DockingNode:
             "contact": lambda closed: setattr(self, "_contact", bool(closed)),
             "goal": lambda goal: self._on_goal(*goal),
             "cancel": self._on_cancel,
+            "gate": lambda message: self._on_gate(self._gate.on_state(message)),
+            "gate silent": lambda _: self._on_gate(self._gate.silence()),
             "watchdog": lambda _: self._abort(ResultCode.ODOMETRY_LOST, "no odometry arrives"),
         }
         while not rospy.is_shutdown():
@@ -125,6 +131,7 @@ class DockingNode:
         """One control cycle, at the first odometry in each period of message time."""
         self._diagnostics.cycle()
         self._set_obstacles(now)
+        self._tell_zone()
         if self._core.shadow is not None:
             command = self._core.shadow.update(now)
             self._report(self._core.vehicle.command(command or Command(v=0.0, omega=0.0)), "SHADOW")
@@ -141,6 +148,11 @@ class DockingNode:
         dock = self._core.observer.prior if estimate is None else estimate.pose
         self._core.controller.set_obstacles(self._obstacles.now(now, self._out.odom_frame, dock))
 
+    def _tell_zone(self) -> None:
+        estimate, newest = self._core.observer.estimate(), self._core.observer.odometry.newest
+        if self._core.shadow is None and estimate is not None and newest is not None:
+            self._zone.update(self._out.stamp, estimate.pose, newest.pose)
+
     def _send(self, step: Step) -> None:
         command = self._core.vehicle.command(step.command)
         self._out.request(command.v, command.omega)
@@ -148,6 +160,7 @@ class DockingNode:
         self._goals.publish(step)
         if step.done:
             self._zeros = ZEROS_AFTER_GOAL
+            self._gate.release()
 
     def _report(self, command: Command, phase: str) -> None:
         estimate, counters = self._core.observer.estimate(), self._core.controller.counters
@@ -175,6 +188,7 @@ class DockingNode:
             return self._goals.refuse(kind, handle, ResultCode.ODOMETRY_LOST, "no odometry yet")
         try:
             prior = check_goal(kind, goal, self._core.dock.name, self._tf, self._out.odom_frame)
+            self._gate.arm()  # a new goal is a new consent
         except RefusedError as refused:
             return self._goals.refuse(kind, handle, refused.code, refused.text)
         self._abort(ResultCode.CANCELED, "replaced by a new goal")
@@ -190,12 +204,16 @@ class DockingNode:
         if self._goals.is_current(handle):
             self._abort(ResultCode.CANCELED, "cancelled")
 
+    def _on_gate(self, loss: Loss | None) -> None:
+        if loss is not None:
+            self._abort(loss.code, loss.text)
+
     def _abort(self, code: ResultCode, text: str) -> None:
         if self._core.sequence.active:
             self._send(self._core.sequence.abort(self._out.stamp.to_sec(), code, text))
 
     def _watch(self) -> None:
-        """Zero when the odometry stops during a goal, even when the worker is busy.
+        """Zero when the odometry stops or the gate is silent during a goal, even when the worker is busy.
 
         In lock-step the simulator's time counts, which may stand while others are waited for; else wall time.
         """
@@ -205,6 +223,8 @@ class DockingNode:
             if self._core.sequence.active and self._clock() - self._last_odometry > limit:
                 self._out.request(0.0, 0.0)
                 self._enqueue("watchdog", None)
+            if self._core.sequence.active and self._gate.silence() is not None:
+                self._enqueue("gate silent", None)
 
     def _on_shutdown(self) -> None:
         self._out.close()

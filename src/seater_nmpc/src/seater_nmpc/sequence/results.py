@@ -39,6 +39,9 @@ class ResultCode(IntEnum):
     ODOMETRY_LOST = 909
     NOT_WITHIN_TOLERANCE = 910
     BUSY = 911
+    STOPPED_BY_USER = 912
+    EMERGENCY_STOP = 913
+    GATE_LOST = 914
     UNKNOWN = 999
 
 

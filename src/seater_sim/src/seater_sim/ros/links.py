@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import rospy
 from geometry_msgs.msg import Twist, TwistStamped
 from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Bool
 from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
 
 from seater_msgs.msg import InputDone, MarkerDetectionArray
@@ -26,6 +27,9 @@ class Receiver(Protocol):
 
     def on_command(self, v: float, omega: float, stamped: bool) -> None:
         """A velocity command [m/s, rad/s]."""
+
+    def on_enable(self, enabled: bool) -> None:
+        """Power for the motors, or none."""
 
     def on_run(self, run: bool) -> None:
         """Let the time pass, or stand."""
@@ -67,6 +71,7 @@ class Links:
         self._subscribers = {
             "cmd_vel": subscribe("cmd_vel", Twist, on_twist),
             "cmd_vel_stamped": subscribe("cmd_vel_stamped", TwistStamped, on_stamped),
+            "motor_enable": subscribe("motor_enable", Bool, lambda message: node.on_enable(message.data)),
         }
         if options.lock_step:
             self._subscribers["input_done"] = subscribe("input_done", InputDone, on_done)

@@ -12,6 +12,7 @@ import rospy
 
 from seater_common.params import ParameterError
 from seater_sim.chair.interface import OdometrySample
+from seater_sim.loop.motor_enable import MotorEnable
 from seater_sim.loop.simulator import Due, SimulatedImage, Simulator
 from seater_sim.ros.links import Links
 from seater_sim.ros.options import Options, load_options
@@ -38,6 +39,7 @@ class SimNode:
         self._running = threading.Event()
         self._ready = threading.Event()
         self._commands: list[tuple[float, float]] = []
+        self._relay = MotorEnable(watch_silence=not options.lock_step)
         self._last_stamped_ns: int | None = None
         self._contact: bool | None = None
         self._collisions = -1
@@ -59,6 +61,11 @@ class SimNode:
                 if age <= self._options.simulator.plant.command_timeout:
                     return
             self._commands.append((v, omega))
+
+    def on_enable(self, enabled: bool) -> None:
+        """Power for the motors, or none."""
+        with self._lock:
+            self._relay.told(enabled, self._simulator.time_ns)
 
     def on_run(self, run: bool) -> None:
         """Let the time pass, or stand. Answers when everyone is connected and knows where the chair is."""
@@ -112,6 +119,8 @@ class SimNode:
     def _step(self) -> None:
         with self._lock:
             commands, self._commands = self._commands, []
+            if not self._relay.on(self._simulator.time_ns):
+                commands = [(0.0, 0.0)]
             for v, omega in commands:
                 if not self._simulator.command(v, omega):
                     text = "A velocity command was not finite (%s m/s, %s rad/s); it counts as zero."

@@ -1,4 +1,4 @@
-"""The simulated chair on the clock on the wall: obeys cmd_vel, publishes odometry, contact and the truth."""
+"""The simulated chair on the clock on the wall: obeys cmd_vel and motor_enable, publishes odometry, contact, truth."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper, Updater
 from geometry_msgs.msg import Twist
+from std_msgs.msg import Bool
 
 from seater_sim.faults.plant import OdometryFault, PlantFault
+from seater_sim.loop.motor_enable import MotorEnable
 from seater_sim.loop.simulator import Due, Simulator
 from seater_sim.ros.chair_topics import ChairTopics
 from seater_sim.ros.free_clock import WallClock, offer_faults, run_free
@@ -34,6 +36,7 @@ class PlantNode:
         self._step_ns = to_ns(settings.step)
         self._plant_fault = PlantFault(settings.plant.wheelchair.wheels.track)
         self._odometry_fault = OdometryFault()
+        self._relay = MotorEnable(watch_silence=True)
         self._lock = threading.Lock()
         self._command = (0.0, 0.0)  # the last one
         self._behind = 0.0  # [s] the furthest since the last report
@@ -45,13 +48,23 @@ class PlantNode:
         self._updater.setHardwareID("simulated chair")
         self._updater.add("clock", self._diagnose)
         self._subscriber = rospy.Subscriber("cmd_vel", Twist, self._on_command, queue_size=10, tcp_nodelay=True)
+        self._enable = rospy.Subscriber("motor_enable", Bool, self._on_enable, queue_size=10, tcp_nodelay=True)
         self._service = offer_faults(self._fail)
 
     def _on_command(self, message: Twist) -> None:
         with self._lock:
             if self._plant_fault.kind != "deaf":
                 self._command = message.linear.x, message.angular.z
-            self._simulator.command(*self._plant_fault.command(*self._command))
+            self._drive()
+
+    def _on_enable(self, message: Bool) -> None:
+        with self._lock:
+            self._relay.told(message.data, self._simulator.time_ns)
+
+    def _drive(self) -> None:
+        """Without power the motors stand, whatever the fault."""
+        powered = self._relay.on(self._simulator.time_ns)
+        self._simulator.command(*(self._plant_fault.command(*self._command) if powered else (0.0, 0.0)))
 
     def _fail(self, component: str, kind: str, values: tuple[float, ...]) -> None:
         with self._lock:
@@ -65,8 +78,8 @@ class PlantNode:
             self._clock.sleep_until(due_ns)
             self._behind = max(self._behind, (self._clock.now_ns - due_ns) / NANOSECONDS)
             with self._lock:
-                if self._plant_fault.persists:
-                    self._simulator.command(*self._plant_fault.command(*self._command))
+                if self._plant_fault.persists or not self._relay.on(self._simulator.time_ns):
+                    self._drive()
                 due = self._simulator.step()
             self._publish(due)
             self._updater.update()

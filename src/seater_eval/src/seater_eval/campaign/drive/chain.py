@@ -20,8 +20,9 @@ from seater_nmpc.observe.measurement import Hypothesis
 
 Image = NDArray[np.uint8]
 
-_SAFETY = ("a_stop", "alpha_stop", "request_timeout", "user_timeout")  # keys of config/safety.yaml
-_LIMITS = ("v_max", "v_reverse_max", "omega_max", "a_max", "alpha_max")  # of the chair that the gate knows
+_GATE = seater_safety.describe_parameters()
+_LIMITS = [entry["key"] for entry in _GATE if entry["file"] == "chair/limits"]  # of the chair that the gate knows
+_SAFETY = [entry["key"] for entry in _GATE if entry["file"] == "safety"]  # keys of config/safety.yaml
 
 
 class Perception:
@@ -57,22 +58,27 @@ def _camera(camera: CameraModel) -> sp.CameraModel:
 
 
 class Gate:
-    """The velocity gate as the node safety_gate has it: from the chair's limits and config/safety.yaml."""
+    """The velocity gate as the node safety_gate has it: from the chair's limits and config/safety.yaml. It has the
+    consent for the one goal of the run."""
 
     def __init__(self, chair: Chair, safety: dict[str, float]) -> None:
         """Raises ParameterError, naming the key."""
         missing = [key for key in _SAFETY if not isinstance(safety.get(key), int | float)]
         if missing:
             raise ParameterError(f"safety/{missing[0]}: is {safety.get(missing[0])!r}, must be a number")
-        values = {key: float(safety[key]) for key in _SAFETY}
+        values = {key: float(value) for key, value in safety.items()}
         values |= {key: getattr(chair.limits, key) for key in _LIMITS}
         try:
             self._gate = seater_safety.VelocityGate(**values)
         except ValueError as error:
             raise ParameterError(f"safety/{error}") from error
+        self._armed = False
 
     def pass_on(self, now: float, v: float, omega: float) -> tuple[float, float]:
         """The command for the motors after a request of the docking node [m/s, rad/s]."""
+        if not self._armed:
+            self._gate.arm(now)
+            self._armed = True
         self._gate.request(now, v, omega)
         return self.output(now)
 

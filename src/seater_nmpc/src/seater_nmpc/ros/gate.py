@@ -1,0 +1,94 @@
+"""The safety gate as the docking node sees it: it is asked for consent once per goal, and says when that has ended."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import rospy
+
+from seater_msgs.msg import GateState
+from seater_msgs.srv import GateArm, GateArmResponse
+from seater_nmpc.ros.goal_checks import RefusedError
+from seater_nmpc.sequence.results import ResultCode
+
+PATIENCE = 1.0  # [s] of wall time: longest silence of the gate, and longest wait for its answer
+
+CODES = {GateState.USER: ResultCode.STOPPED_BY_USER, GateState.EMERGENCY_STOP: ResultCode.EMERGENCY_STOP}
+
+
+@dataclass(frozen=True)
+class Loss:
+    """Why the goal has to end."""
+
+    code: ResultCode
+    text: str
+
+
+class Gate:
+    """Consent for the goal that is being worked on. `on_state` runs in the worker's thread, `silence` in any."""
+
+    def __init__(self, enqueue: Callable[[str, Any], None], *, lock_step: bool) -> None:
+        """`enqueue("gate", message)` hands over to the worker. `lock_step`: silence in wall time means nothing, as the
+        simulator waits for the slowest."""
+        self._lock_step = lock_step
+        self._consent, self._confirmed, self._heard = 0, False, 0.0
+        self._service = rospy.ServiceProxy("gate_arm", GateArm)
+        rospy.Subscriber("gate_state", GateState, lambda m: enqueue("gate", m), queue_size=10, tcp_nodelay=True)
+
+    def arm(self) -> None:
+        """Ask that the requests of this goal pass.
+
+        Raises:
+            RefusedError: the gate refuses, with its reason, or does not answer.
+        """
+        answer = self._ask()
+        if answer is None:
+            raise RefusedError(ResultCode.GATE_LOST, f"the safety gate does not answer ({self._service.resolved_name})")
+        if not answer.granted:
+            raise RefusedError(_code(answer.state), answer.reason)
+        self._consent, self._confirmed, self._heard = answer.consent, False, time.monotonic()
+
+    def release(self) -> None:
+        """The goal has ended."""
+        self._consent = 0
+
+    def on_state(self, message: GateState) -> Loss | None:
+        """Whether the consent of this goal has ended with what the gate says."""
+        if not self._consent:
+            return None
+        if message.consent == self._consent:
+            self._confirmed, self._heard = True, time.monotonic()
+            return None if message.motion_allowed else Loss(_code(message.stopped_by), message.stop_reason)
+        if not self._confirmed:  # sent before the consent was given
+            return None
+        return Loss(ResultCode.GATE_LOST, "the safety gate was started anew, or another node drives")
+
+    def silence(self) -> Loss | None:
+        """Whether the gate has been silent for too long during this goal."""
+        if self._lock_step or not self._consent or time.monotonic() - self._heard <= PATIENCE:
+            return None
+        return Loss(ResultCode.GATE_LOST, f"the safety gate has been silent for {PATIENCE:.0f} s")
+
+    def _ask(self) -> GateArmResponse | None:
+        """The gate's answer; None when there is none in time. In a thread of its own: a call has no time-out."""
+        answers: list[GateArmResponse] = []
+
+        def call() -> None:
+            try:
+                self._service.wait_for_service(PATIENCE)
+                answers.append(self._service())
+            except (rospy.ROSException, rospy.ServiceException) as error:
+                rospy.logwarn("%s: %s", self._service.resolved_name, error)
+
+        thread = threading.Thread(target=call, daemon=True)
+        thread.start()
+        thread.join(PATIENCE + 0.5)
+        return answers[0] if answers else None
+
+
+def _code(state: int) -> ResultCode:
+    return CODES.get(state, ResultCode.GATE_LOST)

@@ -1,0 +1,29 @@
+"""The docking node tells the gate where to be slow: at once when it changes, and again and again."""
+
+import pytest
+import rospy
+
+from seater_common.geometry import Chair, Dock
+from seater_nmpc.ros import speed_zone
+from seater_nmpc.ros.speed_zone import SpeedZone
+
+FAR, IN_BAY, DOCK = (0.0, 0.0, 0.0), (1.9, 0.0, 0.0), (2.0, 0.0, 0.0)  # in odom
+
+
+class Sent(list):
+    def publish(self, message: object) -> None:
+        self.append(message)
+
+
+def test_it_tells_changes_at_once_and_repeats_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    sent = Sent()
+    monkeypatch.setattr(speed_zone.rospy, "Publisher", lambda *_, **__: sent)
+    chair = Chair()
+    zone = SpeedZone(chair, Dock())
+    for time in (10.0, 10.05, 10.5):
+        zone.update(rospy.Time(time), DOCK, FAR)
+    assert [(m.header.stamp.to_sec(), m.v_max) for m in sent] == [(10.0, 0.6), (10.5, 0.6)]
+    zone.update(rospy.Time(10.55), DOCK, IN_BAY)
+    assert (sent[-1].header.stamp.to_sec(), sent[-1].v_max) == (10.55, chair.limits.v_bay_max)
+    zone.update(rospy.Time(3.0), DOCK, IN_BAY)  # time went backward
+    assert len(sent) == 4
