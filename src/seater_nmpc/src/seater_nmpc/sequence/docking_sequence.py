@@ -14,6 +14,7 @@ does with its speed is limited by the safety gate, which brakes within the chair
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,14 +24,17 @@ from seater_common.geometry import Chair, Dock
 from seater_nmpc.control.command import Command
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.observe.innovation import Fusion
-from seater_nmpc.observe.measurement import Hypothesis
+from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.motion import MotionObserver
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Instant, Odometry
-from seater_nmpc.parameters import SequenceParameters
+from seater_nmpc.parameters import PlausibilityParameters, SequenceParameters
 from seater_nmpc.plan.navigator import Navigator
+from seater_nmpc.plausibility.watch import Watch
 from seater_nmpc.sequence.phases import STANDING, GoalEnd, Phases
 from seater_nmpc.sequence.results import Phase, Result, ResultCode, Step
+
+_UNSEEN = 1.0  # [s] without a used image, from which on a text says why
 
 
 class DockingSequence:
@@ -46,11 +50,14 @@ class DockingSequence:
         *,
         require_contact: bool = False,
         navigator: Navigator | None = None,
+        plausibility: PlausibilityParameters | None = None,
     ) -> None:
         """`navigator`: finds the way to the bay; None: one with default parameters."""
         self.observer, self._controller = observer, controller
         self._dock, self._parameters = dock, parameters or SequenceParameters()
         self._motion = MotionObserver(controller.history, observer.parameters)
+        checks = plausibility or PlausibilityParameters()
+        self._watch = Watch(chair, dock, observer, controller.history, checks)
         self._phases = Phases(
             chair,
             dock,
@@ -77,12 +84,14 @@ class DockingSequence:
             self.observer.reset(prior, prior_radius)
         self._begin(now, Phase.WAITING_FOR_DOCK, timeout or self._parameters.timeouts.dock)
 
-    def start_undock(self, now: float, timeout: float = 0.0) -> None:
-        """Begin to back out to the predock point, by odometry from where the dock is known or taken to be.
+    def start_undock(self, now: float, timeout: float = 0.0, *, force: bool = False) -> None:
+        """Begin to back out to the predock point, by odometry from where the dock is known to be.
 
-        Where no fresh estimate is at hand, the chair is taken to stand docked. Raises: as `start_dock`.
+        With the contact closed, or by `force`, the chair is taken to stand docked where no dock is known near it; else
+        the goal ends with NOT_DOCKED. Raises: as `start_dock`.
         """
         self._check_start(now, timeout)
+        self._phases.force = force
         self._begin(now, Phase.UNDOCKING, timeout or self._parameters.timeouts.undock)
 
     def cancel(self) -> None:
@@ -98,8 +107,10 @@ class DockingSequence:
             self._controller.measured(odometry.stamp, *self.observer.true_speeds(newest.v, newest.omega))
         return taken
 
-    def add_detections(self, stamp: float, hypotheses: list[Hypothesis]) -> Fusion:
-        """Take the dock observations of one image."""
+    def add_detections(self, stamp: float, hypotheses: list[Hypothesis], markers: Sequence[MarkerSight] = ()) -> Fusion:
+        """Take the dock observations of one image, and its single markers where they are known."""
+        if self.active:
+            self._watch.see(hypotheses, markers)
         return self.observer.add_detections(stamp, hypotheses)
 
     def update(self, now: float, contact: bool | None = None) -> Step:
@@ -115,6 +126,9 @@ class DockingSequence:
             chair = self._check(now)
             command = STANDING if chair is None else self._phases.command(chair)
         except GoalEnd as end:
+            doubt = self._watch.final() if end.code is ResultCode.SUCCESS and self._docking else None
+            if doubt is not None:
+                return self._finish(now, ResultCode[doubt.kind.name], doubt.text)
             return self._finish(now, end.code, end.text)
         return self._step(now, command)
 
@@ -131,6 +145,7 @@ class DockingSequence:
     def _begin(self, now: float, phase: Phase, timeout: float) -> None:
         self.active, self._cancelled = True, False
         self._phases.begin(now, phase, timeout)
+        self._watch.begin(now)
 
     def _check(self, now: float) -> Instant | None:
         """What ends every phase; the chair at `now`, None while the odometry is late but not lost yet."""
@@ -147,15 +162,21 @@ class DockingSequence:
             code, text = late
             unseen = code is ResultCode.FAILED_TO_DETECT_DOCK
             raise GoalEnd(code, f"{text}: {self.observer.why_unseen}" if unseen else self._with_reason(text))
+        found = self._watch.check(now)
+        if found is not None:
+            raise GoalEnd(ResultCode[found.kind.name], found.text)
         return self.observer.odometry.at(now)
 
     def _with_reason(self, text: str) -> str:
-        """The text, and why there is no way into the bay, if that is so."""
-        reason = self._phases.no_way
+        """The text, and why there is no way into the bay or no image is used, if that is so."""
+        estimate = self.observer.estimate()
+        unseen = estimate is not None and estimate.age > _UNSEEN
+        reason = self._phases.no_way or (self.observer.why_unseen if unseen else "")
         return f"{text}: {reason}" if reason else text
 
     def _step(self, now: float, command: Command, result: Result | None = None) -> Step:
         self._controller.history.sent(now, command.v, command.omega)  # some are the sequence's own
+        self._watch.asked(now, command.v, command.omega)
         phases, estimate = self._phases, self.observer.estimate()
         error, distance = phases.error, -1.0
         if error is not None and phases.phase is Phase.UNDOCKING:
@@ -174,10 +195,28 @@ class DockingSequence:
             retries=phases.retries,
         )
 
+    @property
+    def _docking(self) -> bool:
+        return self._phases.phase is not Phase.UNDOCKING
+
+    def _certainty(self) -> dict[str, float]:
+        """Standard deviations of the final error: noise of the images, what calibration leaves, and what the way here
+        says of the installation."""
+        if self._phases.covariance is None:
+            return {}
+        p, off = self.observer.parameters, self._watch.final_error
+        common = np.diag([p.calibration_position**2, p.calibration_position**2, p.calibration_heading**2])
+        P = self._phases.covariance + common + np.outer(off, off)
+        return {
+            "position_sd": math.sqrt(float(np.linalg.eigvalsh(P[:2, :2])[-1])),
+            "heading_sd": math.sqrt(float(P[2, 2])),
+        }
+
     def _finish(self, now: float, code: ResultCode, text: str) -> Step:
         phases = self._phases
         now = now if math.isfinite(now) else phases.now
         self.active = False
+        self.observer.bound_reacquisition(False)
         self._controller.reset()
         x, y, heading = (float(value) for value in (np.zeros(3) if phases.error is None else phases.error))
         result = Result(
@@ -189,6 +228,7 @@ class DockingSequence:
             longitudinal_error=x,
             lateral_error=y,
             heading_error=heading,
+            **self._certainty(),
         )
         step = self._step(now, STANDING, result)
         self._controller.history.clear()  # whoever drives from here on does not say

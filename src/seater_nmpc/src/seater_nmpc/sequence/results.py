@@ -42,6 +42,13 @@ class ResultCode(IntEnum):
     STOPPED_BY_USER = 912
     EMERGENCY_STOP = 913
     GATE_LOST = 914
+    INCONSISTENT = 915
+    BLOCKED = 916
+    NOT_DOCKED = 917
+    RUNAWAY = 918
+    WRONG_DIRECTION = 919
+    ODOMETRY_WRONG = 920
+    WHEELS_SLIP = 921
     UNKNOWN = 999
 
 
@@ -60,6 +67,8 @@ class Result:
     longitudinal_error: float = 0.0  # [m]
     lateral_error: float = 0.0  # [m]
     heading_error: float = 0.0  # [rad]
+    position_sd: float = 0.0  # [m] of that error, in the direction in which it is largest; 0: not verified
+    heading_sd: float = 0.0  # [rad]
 
     @property
     def success(self) -> bool:
