@@ -1,0 +1,58 @@
+"""The faults that are tried, and how a docking has to end with each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+# Where the fault begins: distance of base_link from the docking pose [m]. The first is in front of the bay.
+PLACES = {"way": 1.5, "bay": 0.5}
+AT_ONCE = 1.5  # [s] from the fault to rest, of what gate and motors notice; braking from 0.6 m/s included
+BLIND = 4.0  # [s] of what only the images tell: the chair drives on for the blind distance first
+
+
+@dataclass(frozen=True)
+class Case:
+    """A fault. `action`: as ros/fault_trial.py carries it out; `codes`: names of the results that are right."""
+
+    name: str
+    action: tuple[str, ...]
+    codes: frozenset[str]
+    rest: float = BLIND  # [s] longest time from the fault to rest
+    recovers: bool = True  # a new goal docks once the fault is gone
+
+
+def _case(name: str, action: str, codes: str, rest: float = BLIND, recovers: bool = True) -> Case:
+    return Case(name, tuple(action.split()), frozenset(codes.split()), rest, recovers)
+
+
+CASES = [
+    _case("emergency stop pressed for 1 s", "emergency_stop 1.0", "EMERGENCY_STOP", AT_ONCE),
+    _case("joystick back for 1 s", "joystick -0.2 0.0 1.0", "STOPPED_BY_USER", 2.5),
+    _case("camera frozen, fresh stamps", "fail camera frozen", "WHEELS_SLIP MARKER_LOST INCONSISTENT"),
+    _case("camera off", "fail camera off", "MARKER_LOST"),
+    _case("lens covered", "fail camera black", "MARKER_LOST"),
+    _case("markers covered", "fail camera cover", "MARKER_LOST"),
+    _case("images of NaN", "fail camera nan", "MARKER_LOST"),
+    _case("camera_info of NaN", "fail camera nan_camera_info", "MARKER_LOST"),
+    _case("images 0.5 s late", "fail camera late 0.5", "MARKER_LOST INCONSISTENT SUCCESS", 60.0),
+    _case("dock moved aside by 0.3 m", "fail camera dock_moved 0.0 0.3", "INCONSISTENT MARKER_LOST", recovers=False),
+    _case("camera turned by 5 deg", "fail camera knocked 5.0", "INCONSISTENT MARKER_LOST", 60.0),
+    _case("focal length told 10 % too long", "fail camera focal 1.1", "INCONSISTENT MARKER_LOST", 60.0),
+    _case("odometry frozen", "fail odometry frozen", "ODOMETRY_WRONG", BLIND),
+    _case("odometry off", "fail odometry off", "ODOMETRY_LOST", AT_ONCE),
+    _case("odometry without stamps", "fail odometry zero_stamps", "ODOMETRY_LOST", AT_ONCE),
+    _case("odometry of NaN", "fail odometry nan", "ODOMETRY_LOST", AT_ONCE),
+    _case("odometry 30 % too long", "fail odometry scale 1.3", "INCONSISTENT WHEELS_SLIP MARKER_LOST SUCCESS", 60.0),
+    _case("odometry jumps by 0.3 m", "fail odometry jump 0.3", "INCONSISTENT MARKER_LOST SUCCESS ODOMETRY_WRONG", 60.0),
+    _case("twist zero", "fail odometry zero_twist", "SUCCESS ODOMETRY_WRONG", 60.0),
+    _case("runs away with 0.4 m/s", "fail plant runaway 0.4", "RUNAWAY", AT_ONCE),
+    _case("motors do not turn", "fail plant stuck", "BLOCKED", 2.5),
+    _case("left motor dead", "fail plant left_motor_dead", "BLOCKED RUNAWAY WRONG_DIRECTION MARKER_LOST"),
+    _case("drives backward when asked forward", "fail plant reversed", "WRONG_DIRECTION", 2.0),
+    _case("base keeps the last command", "fail plant deaf", "RUNAWAY", BLIND),
+    _case("docking node stands still for 1 s", "stop /docking 1.0", "GATE_LOST", AT_ONCE),
+    _case("docking node killed", "signal kill /docking", "UNKNOWN", AT_ONCE, recovers=False),
+    _case("perception killed", "signal kill /marker_detector", "MARKER_LOST", recovers=False),
+    _case("safety gate killed", "signal kill /safety_gate", "GATE_LOST UNKNOWN", AT_ONCE, recovers=False),
+    _case("second publisher of requests", "foreign 0.3 1.0", "GATE_LOST", AT_ONCE),
+]
