@@ -14,10 +14,19 @@ CONFIG = Path(__file__).resolve().parents[3] / "config"
 FILES = Files.read(CONFIG)
 
 
+# In front of the bay: every phase of a docking in few images.
+NEAR = {"x": [-1.4, -1.1], "y": [-0.2, 0.2], "heading": [-8.0, 8.0]}
+
+
+def load(name: str) -> dict[str, Any]:
+    """A campaign of config/campaign that starts near."""
+    loaded = yaml.safe_load((CONFIG / "campaign" / f"{name}.yaml").read_text())
+    return {**loaded, "start": {**loaded["start"], **NEAR}}
+
+
 def values(**axes: Any) -> dict[str, Any]:
-    """The default campaign with other axes."""
-    loaded = yaml.safe_load((CONFIG / "campaign" / "default.yaml").read_text())
-    return {**loaded, "axes": axes or {"any": {"default": {}}}}
+    """The default campaign, near and with other axes."""
+    return {**load("default"), "axes": axes or {"any": {"default": {}}}}
 
 
 def campaign(**axes: Any) -> Campaign:

@@ -9,7 +9,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from campaign_plans import CONFIG
+import yaml
+from campaign_plans import CONFIG, load
 
 from seater_common.params import ParameterError
 from seater_eval.campaign.command import main
@@ -18,7 +19,10 @@ from seater_eval.campaign.processes import over_processes
 
 
 def run(folder: Path, *arguments: str) -> int:
-    return main("", ["--config", str(CONFIG), "--results", str(folder), "--campaign", "kinematic", *arguments])
+    plan = folder / "plan" / "near.yaml"  # beside the results, of which `merge` takes only those of campaigns
+    plan.parent.mkdir(parents=True, exist_ok=True)
+    plan.write_text(yaml.safe_dump(load("kinematic")))
+    return main("", ["--config", str(CONFIG), "--results", str(folder), "--campaign", str(plan), *arguments])
 
 
 def test_two_shards_merged_are_the_campaign_and_a_case_can_be_replayed(tmp_path: Path, capsys: Any) -> None:
