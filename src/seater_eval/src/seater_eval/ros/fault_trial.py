@@ -25,7 +25,7 @@ from seater_eval.faults.cases import CASES, PLACES, Case
 from seater_eval.ros.dock_client import DockClient, DockClientError, wait_until
 from seater_eval.ros.launch_process import LaunchProcess
 from seater_msgs.msg import DockResult
-from seater_sim.ros.failure import fail, signal_node
+from seater_sim.ros.failure import FailureError, fail, signal_node
 
 START = {"start_x": -2.3, "start_y": 0.15, "start_heading": -0.1}
 _PATIENCE = 90.0  # [s] for a docking
@@ -183,12 +183,17 @@ NAMES = {
 def main(arguments: list[str]) -> int:
     """Program entry."""
     number, place, folder = int(arguments[0]), arguments[1], Path(arguments[2])
-    log = folder / f"fault_{number}_{place}.log"
-    with LaunchProcess("seater_bringup", "sim.launch", {"lock_step": "false", **START}, log) as launch:
-        os.environ.update(ROS_MASTER_URI=launch.master_uri, ROS_HOSTNAME="localhost")
+    log = folder / f"fault_{number}_{place}"
+    chair = LaunchProcess("seater_bringup", "simulated_chair.launch", START, log.with_suffix(".chair.log"))
+    # The chair lives on when what people launch has ended.
+    system = LaunchProcess(
+        "seater_bringup", "wheelchair.launch", {"require_contact": "true"}, log.with_suffix(".log"), chair.port
+    )
+    with chair, system:
+        os.environ.update(ROS_MASTER_URI=chair.master_uri, ROS_HOSTNAME="localhost")
         try:
-            row = run(CASES[number], place, launch)
-        except DockClientError as error:
+            row = run(CASES[number], place, system)
+        except (DockClientError, FailureError) as error:
             row = {"fault": CASES[number].name, "place": place, "result": "NOT RUN", "text": str(error)}
     print(json.dumps(row))
     return 0

@@ -21,10 +21,14 @@ def free_port() -> int:
 class LaunchProcess:
     """`with LaunchProcess(...)`: roslaunch runs inside and is ended at the end, whatever happens."""
 
-    def __init__(self, package: str, launch_file: str, arguments: Mapping[str, object], log_file: Path) -> None:
-        self.port = free_port()
+    def __init__(
+        self, package: str, launch_file: str, arguments: Mapping[str, object], log_file: Path, port: int | None = None
+    ) -> None:
+        """`port`: of a master that somebody else has started, or will."""
+        self.port = port or free_port()
         self.log_file = log_file
         self._command = ["roslaunch", "-p", str(self.port), package, launch_file]
+        self._command += ["--wait"] if port else []
         self._command += [f"{name}:={value}" for name, value in arguments.items()]
         self._process: subprocess.Popen[bytes] | None = None
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import replace
 from typing import Any
 
 import cv2
@@ -44,9 +43,8 @@ class CameraNode:
 
     def _make_camera(self) -> Camera:
         o = self._options
-        settings = replace(self._settings, gain=0.05, noise_sd=1.0) if self._fault.black else self._settings
         mount = self._fault.mount(o.chair.camera)
-        return Camera(self._model, mount, o.dock, settings, o.simulator.scene, o.simulator.obstacles)
+        return Camera(self._model, mount, o.dock, self._settings, o.simulator.scene, o.simulator.obstacles)
 
     def _on_truth(self, message: Odometry) -> None:
         self._truth = message
@@ -94,7 +92,8 @@ class CameraNode:
             self._camera,
         )
         due_ns = stamp_ns + to_ns(self._settings.latency + self._fault.delay)
-        self._on_the_way.append((due_ns, image, image.render() if self._topics.wanted else None))
+        pixels = image.render() if self._topics.wanted else None
+        self._on_the_way.append((due_ns, image, np.zeros_like(pixels) if self._fault.black else pixels))
 
     def _deliver(self) -> None:
         """Hand over what the camera's latency has been waited for."""

@@ -6,9 +6,11 @@ import argparse
 import math
 import os
 import signal
+import socket
 import sys
 import time
 import xmlrpc.client
+from pathlib import Path
 from typing import Any
 
 import rosgraph
@@ -20,7 +22,8 @@ from seater_sim.faults import kinds
 
 SERVICES = {"plant": "plant/fail", "odometry": "plant/fail", "camera": "camera/fail"}
 SIGNALS = {"kill": signal.SIGKILL, "end": signal.SIGTERM, "stop": signal.SIGSTOP, "continue": signal.SIGCONT}
-_WAIT = 5.0  # [s] for a service or a message that should be there
+_WAIT = 5.0  # [s] for a service that should be there
+_ANSWER = 2.0  # [s] for a node's answer
 _NODE = {
     "kill": "SIGKILL: it can do nothing any more",
     "end": "SIGTERM: as roslaunch ends it",
@@ -50,12 +53,38 @@ def fail(component: str, kind: str, values: list[float]) -> None:
 
 def signal_node(kind: str, name: str) -> None:
     """Send a signal to the process of a node on this machine. Raises FailureError."""
+    os.kill(_pid_asked(name) or _pid_found(name), SIGNALS[kind])
+
+
+def _pid_asked(name: str) -> int | None:
+    """What the node itself says; None when it does not answer, as one that stands still. Raises FailureError."""
+    default = socket.getdefaulttimeout()
+    socket.setdefaulttimeout(_ANSWER)
     try:
         uri = rosgraph.Master("/failure").lookupNode(rosgraph.names.resolve_name(name, "/failure"))
         answer: Any = xmlrpc.client.ServerProxy(uri).getPid("/failure")
-    except (OSError, rosgraph.MasterException, xmlrpc.client.Error) as error:
+        return int(answer[2])
+    except rosgraph.MasterException as error:
         raise FailureError(f"node {name}: {error}") from None
-    os.kill(answer[2], SIGNALS[kind])
+    except (OSError, xmlrpc.client.Error):
+        return None
+    finally:
+        socket.setdefaulttimeout(default)
+
+
+def _pid_found(name: str) -> int:
+    """By the name that roslaunch gave the process, of this master. Raises FailureError."""
+    word = f"__name:={name.rsplit('/', 1)[-1]}".encode()
+    master = f"ROS_MASTER_URI={rosgraph.get_master_uri()}".rstrip("/").encode()
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            words = (folder / "cmdline").read_bytes().split(b"\0")
+            environment = [entry.rstrip(b"/") for entry in (folder / "environ").read_bytes().split(b"\0")]
+        except OSError:  # it has ended, or is somebody else's
+            continue
+        if word in words and master in environment:
+            return int(folder.name)
+    raise FailureError(f"node {name}: it does not answer, and no process of roslaunch has its name")
 
 
 def wait_until_nearer(distance: float) -> None:
