@@ -5,6 +5,7 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
+#include "image/image_noise.h"
 #include "photometric/initial_poses.h"
 #include "seater_perception/dock_layout.h"
 
@@ -20,9 +21,21 @@ constexpr double kExplainedSmall = 0.9, kExplainedLarge = 0.85;
 constexpr double kBeyondScale = 0.15;  // [ranges of grey levels] how far black and white may lie beyond the sensor's
 constexpr double kClipped = 0.05;     // fraction of the pixels at an end, from which on white or black may lie anywhere
 constexpr double kLargestPsf = 0.95;  // [cells] standard deviation; wider, cells cannot be told apart
-// Residuals at edges over those of flat pixels, and distance from the fitted edges' corners over its standard
-// deviation: from here on, the print is not what the model says (docs/explanation/perception.md).
-constexpr double kMisfit = 1.8, kContradiction = 1.0;
+// Residuals at edges over those of flat pixels: from here on, the image is not what the model says
+// (docs/explanation/perception.md); up to there the fit is used, and from the lower one on the deviation counts.
+constexpr double kMisfit = 1.8, kNoticed = 1.35;
+constexpr double kAlike = 4.0;       // [pixels] of an edge that err together, where residuals are not noise; by hand
+constexpr double kBeside = 0.5;      // [sides] round a marker, where its surroundings tell the noise
+constexpr double kLeastNoise = 0.5;  // [grey levels] of rounding and a little more
+// Root mean square slope of a blurred step within 2.5 standard deviations of it, times its width over its height:
+// sqrt(1 / (2 sqrt(pi)) / 5). Residuals over it are how far the edge is from where the model has it.
+constexpr double kMeanSlope = 0.2375;
+// How much larger the error of a corner is than what the residuals show of it: shifts that are the same over 8 to 20 px
+// are mostly followed by the fit. By the normalised errors of test_camera_kinds.
+constexpr double kHiddenShift = 2.5;
+// [px] of a corner where the paper is cut off at the end of the range: how much lighter it is, and how far its light
+// has grown into the ink, is not in the image. Edges of over-exposed photographs lie 0.2 to 0.6 px inwards.
+constexpr double kBloom = 0.3, kMuchClipped = 0.3;
 constexpr double kCoarseCorners = 0.25;   // [cells] error of corners that no edge confirms
 constexpr double kBlurredCorners = 0.25;  // [standard deviations of the PSF] the same of blurred edges
 // [px] of a corner: what taking away a shadow's edge leaves; by the normalised errors of `perception_shadows`.
@@ -125,6 +138,12 @@ double largestDistance(const CameraModel& camera, const DockLayout& layout, cons
   return largest;
 }
 
+/// What covers a part of a print is left out of the fit. Where all four edges show, or the code without anything left
+/// out, nothing does: then outliers are what the camera has made of edges. What a shadow's edge has left is in neither.
+bool wholePrint(const MarkerCorners& marker) {
+  return !marker.shadow && (marker.edges_fitted || marker.contrast > 0.0);
+}
+
 /// One marker's fits.
 class MarkerFits {
  public:
@@ -147,9 +166,13 @@ class MarkerFits {
   }
 
   int cells() const { return cells_; }
-  /// Of the best one of the last fits: residuals at edges over those of flat pixels (0: not known), and the standard
+  /// Of the best one of the last fits: residuals at edges over the noise of flat pixels, and the standard
   /// deviation of the lens' point spread function [px].
   double misfit() const { return misfit_; }
+  /// [px] standard deviation of a corner by what the residuals at edges are more than noise; 0: they are noise.
+  double modelSigma() const { return model_sigma_; }
+  /// What chi-squared has to be divided by to be believed.
+  double doubt() const { return misfit_ > kNoticed ? kAlike * misfit_ * misfit_ : 1.0; }
   double psfSd() const { return psf_sd_; }
 
  private:
@@ -162,10 +185,37 @@ class MarkerFits {
       b.result.converged = b.result.converged && plausible(b.result, side, cells_, full_scale);
       if (!b.result.converged || b.chi_square >= best) continue;
       best = b.chi_square;
-      misfit_ = b.result.flat_noise > 0.0 ? b.result.noise_sd / b.result.flat_noise : 0.0;
+      const double residual = wholePrint(marker_.image) ? b.result.rms : b.result.noise_sd;
+      misfit_ = residual / noiseBeside(b.result);
       psf_sd_ = b.result.psf_sd;
+      model_sigma_ = std::hypot(shiftOf(b.result, residual, misfit_), bloomOf(b.result));
     }
     return distinct(branches_, side < kLargeMarker ? kExplainedSmall : kExplainedLarge);
+  }
+
+  /// [grey levels] of flat pixels of the print, or what its surroundings show, where that is less or the print has
+  /// none. A shadow's edge makes flat pixels uneven too, and is no fault of the model.
+  double noiseBeside(const PhotometricResult& result) const {
+    if (!(beside_ > 0.0)) {
+      const Eigen::AlignedBox2d box = boundingBox(marker_.image.corners);
+      const Eigen::Vector2d margin = kBeside * box.sizes();
+      beside_ = std::max(kLeastNoise, whiteNoise(context_.grey, {box.min() - margin, box.max() + margin}));
+    }
+    const bool clipped = std::max(result.clipped_low, result.clipped_high) > kClipped;  // and with it its noise
+    if (result.flat_noise > 0.0 && marker_.image.shadow) return result.flat_noise;
+    return result.flat_noise > 0.0 && !clipped ? std::min(result.flat_noise, beside_) : beside_;
+  }
+
+  static double shiftOf(const PhotometricResult& result, double residual, double misfit) {
+    if (!(misfit > kNoticed)) return 0.0;
+    const double excess = std::sqrt(1.0 - 1.0 / (misfit * misfit)) * residual;
+    const double width = std::sqrt(result.psf_sd * result.psf_sd + 1.0 / 12.0);  // with the pixel's own area
+    return kHiddenShift * excess * width / (kMeanSlope * std::max(1.0, result.brightness.front().gain));
+  }
+
+  static double bloomOf(const PhotometricResult& result) {
+    const double part = (result.clipped_high - kClipped) / (kMuchClipped - kClipped);
+    return kBloom * std::clamp(part, 0.0, 1.0);
   }
 
   const PhotometricContext& context_;
@@ -174,18 +224,22 @@ class MarkerFits {
   const int cells_;
   std::optional<Brightness> brightness_;
   std::vector<PhotometricBranch> branches_;  // of the last fits
-  double misfit_ = 0.0, psf_sd_ = 0.0;
+  double misfit_ = 0.0, psf_sd_ = 0.0, model_sigma_ = 0.0;
+  mutable double beside_ = 0.0;
 };
 
 /// Leaves out what says nothing and what the corners contradict. False when the corners cannot be undistorted.
-bool compareWithCorners(const PhotometricContext& context, const MarkerEstimate& marker, int cells,
-                        std::vector<PoseHypothesis>& hypotheses) {
+bool compareWithCorners(const PhotometricContext& context, const MarkerEstimate& marker, int cells, double fit_sigma,
+                        double doubt, std::vector<PoseHypothesis>& hypotheses) {
   Correspondences seen;
   for (std::size_t i = 0; i < 4; ++i) {
     if (!seen.add(markerCorners(marker.size)[i], marker.image.corners[i], 1.0, context.camera)) return false;
   }
-  const double sigma = std::max(context.pose.model_sigma, marker.image.shadow ? kShadowSigma : 0.0);
+  const double allowed = std::max(context.pose.model_sigma, marker.image.shadow ? kShadowSigma : 0.0);
+  const double sigma = std::hypot(allowed, fit_sigma);
   addModelError(context.camera, seen, sigma, hypotheses);
+  // Residuals that are not noise are alike from pixel to pixel: they prove as much less as they are larger.
+  for (auto& h : hypotheses) h.chi_squared /= doubt;
   for (auto& h : hypotheses) h.error = reprojectionError(context.camera, seen, h.pose);
   // Corners that no edge confirms may be some tenths of a cell off, those of blurred edges a part of the PSF.
   const double side = marker.image.side();
@@ -219,14 +273,18 @@ RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& p
     PhotometricRefiner refiner(print_only);
     hypotheses = fits.fit(refiner, psf_sd);
   }
-  if (hypotheses.empty() || !compareWithCorners(context, marker, fits.cells(), hypotheses) || hypotheses.empty())
-    return {MarkerOutcome::refused, marker};
+  RefinedMarker refined{MarkerOutcome::corners_kept, marker};
+  refined.marker.model_sigma = hypotheses.empty() ? context.pose.corner_sigma_coarse : fits.modelSigma();
+  if (hypotheses.empty() ||
+      !compareWithCorners(context, marker, fits.cells(), fits.modelSigma(), fits.doubt(), hypotheses) ||
+      hypotheses.empty())
+    return refined;
+  // Where the model does not hold (bent print, grown cells, a camera that sharpens), the outer edges are what its size
+  // means; but not where a shadow's edge crosses them.
+  if (marker.image.edges_fitted && !marker.image.shadow && fits.misfit() > kMisfit) return refined;
   weighByPrior(hypotheses, prior, context.pose.tilt_sigma);
-  // A print that is bent or has grown cells: where the model does not hold, the outer edges are what its size means.
-  const double contradiction = kContradiction * context.pose.corner_sigma;
-  if (marker.image.edges_fitted && fits.misfit() > kMisfit && hypotheses.front().error > contradiction)
-    return {MarkerOutcome::corners_kept, marker};
-  RefinedMarker refined{MarkerOutcome::refined, marker};
+  refined.outcome = MarkerOutcome::refined;
+  refined.marker.stage = PoseStage::photometric;
   refined.marker.hypotheses = hypotheses;
   refined.marker.image.psf_sd = fits.psfSd();
   placeCorners(context.camera, hypotheses.front(), context.pose.corner_sigma, refined.marker);
@@ -238,6 +296,12 @@ RefinedDock refineDock(const PhotometricContext& context, const DockLayout& layo
                        const std::vector<MarkerEstimate>& markers, const std::vector<DockHypothesis>& dock) {
   if (dock.empty() || dock.front().marker_ids.size() < 2) return {DockOutcome::too_few, dock};
   const std::vector<int>& ids = dock.front().marker_ids;
+  double model_sigma = 0.0;
+  for (const MarkerEstimate& m : markers) {
+    if (!std::count(ids.begin(), ids.end(), m.image.id)) continue;
+    if (m.stage != PoseStage::photometric) return {DockOutcome::misfit, dock};
+    model_sigma = std::max(model_sigma, m.model_sigma);
+  }
   const auto rests_on_others = [&ids](const DockHypothesis& h) { return h.marker_ids != ids; };
   if (std::any_of(dock.begin(), dock.end(), rests_on_others)) return {DockOutcome::contradictory, dock};
   std::vector<PatternPlacement> placements;
@@ -261,7 +325,7 @@ RefinedDock refineDock(const PhotometricContext& context, const DockLayout& layo
   };
   hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), displaced), hypotheses.end());
   if (hypotheses.empty()) return {DockOutcome::displaced, dock};
-  addModelError(context.camera, corners, context.pose.model_sigma, hypotheses);
+  addModelError(context.camera, corners, std::hypot(context.pose.model_sigma, model_sigma), hypotheses);
   PosePrior prior;
   prior.up = up;
   prior.object_up = Eigen::Vector3d::UnitZ();

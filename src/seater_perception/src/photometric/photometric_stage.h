@@ -34,16 +34,14 @@ struct PhotometricContext {
 /// How the refinement of a marker ended.
 enum class MarkerOutcome {
   refined,       ///< poses are those of the grey levels, corners those of the best pose
-  corners_kept,  ///< the print is proved, but not as the model has it (bent, cells of another width), and its fitted
-                 ///< edges contradict the fitted pose: poses stay those of the corners
-  doubtful,      ///< of a tracked marker: no fit converged, or residuals look as if the model did not hold; to be done
-                 ///< again from its edges
-  refused        ///< no fit converged, or the pattern does not explain the image
+  corners_kept,  ///< no fit converged, or camera or print are not as the model has them (sharpened, bent, cells of
+                 ///< another width): poses stay those of the corners
+  doubtful       ///< of a tracked marker: the same; to be done again from its edges
 };
 
 struct RefinedMarker {
-  MarkerOutcome outcome = MarkerOutcome::refused;
-  MarkerEstimate marker;  ///< changed only when the outcome is `refined`
+  MarkerOutcome outcome = MarkerOutcome::corners_kept;
+  MarkerEstimate marker;  ///< poses are changed only when the outcome is `refined`, model_sigma is set always
 };
 
 /// Poses of a detected marker. Fits begin at all its hypotheses which the corners cannot tell apart; what remains is
@@ -57,6 +55,7 @@ enum class DockOutcome {
   refined,        ///< hypotheses are those of the joint fit
   too_few,        ///< they rest on one marker only
   contradictory,  ///< they rest on different markers
+  misfit,         ///< of a marker, the model does not hold
   displaced       ///< no fit converged, or all leave a marker's corners aside: prints hang beside their places
 };
 

@@ -19,6 +19,13 @@ constexpr double kWorthFitting = 0.5;   // correlation before the fit
 constexpr double kSmallestMargin = 0.045;  // of correlation, over the next best code
 constexpr double kLargestBitError = 0.9;   // of what turns a bit round: at 1 it would read as its opposite
 constexpr double kCostOfCovered = 0.25;    // of evidence, for each sample left out: what is chosen proves less
+// A code that stands clear of all others is proved, however a camera has changed its edges. The more codes there are to
+// choose from, the smaller that margin; the dock's few ids must not prove more than all of a family would.
+constexpr double kWorthOfMargin = 5.0, kMostMargin = 0.15;
+// How much evidence less makes a false code ten times as frequent (same table), and where bits alone decide: no image
+// without markers has ever shown a code of 25 bits or more with all bits on their sides and this evidence.
+constexpr double kEvidencePerDecade = 0.6, kLeastEvidence = 2.5;
+constexpr double kReference = 200.0 / 65536.0;  // of all patterns, those that are codes of DICT_4X4_50
 // Prints cut close on a grey wall (plain_markers_test: down to 0.4 of the contrast below white) or on a white one. The
 // limits were chosen by hand; beyond the lower one, the quiet zone would be nearer to the ink than to the paper.
 constexpr double kDarkestQuiet = -0.7, kLightestQuiet = 0.5;  // of the contrast, over the print's white
@@ -27,6 +34,13 @@ constexpr double kPerhapsMotion = 0.5;  // part explained without motion
 // Half a cell's step leaves every place within about the fit's own reach, a third of a cell.
 constexpr double kGridStep = 0.5;        // [cells] of the search for a code alone
 constexpr double kMostGridSteps = 10.0;  // to each side: bounds the time of a wide `reach`
+
+/// What a family's codes need instead of those of DICT_4X4_50: the fewer of all patterns are codes, the rarer one is
+/// seen by chance.
+double additionalEvidence(const MarkerFamily& family) {
+  const double patterns = std::exp2(family.bits() * family.bits());
+  return kEvidencePerDecade * std::log10(4.0 * family.count() / patterns / kReference);
+}
 
 /// The print's corners of a quadrilateral whose first corner is the print's corner `turn`.
 Quad printed(const Quad& quad, int turn) {
@@ -38,10 +52,12 @@ Quad printed(const Quad& quad, int turn) {
 }  // namespace
 
 struct MarkerDecoder::Implementation {
-  Implementation(const MarkerFamily& family, const std::set<int>& ids) : book(family, ids), aligner(book) {}
+  Implementation(const MarkerFamily& family, const std::set<int>& ids)
+      : book(family, ids), aligner(book), additional_evidence(additionalEvidence(family)) {}
 
   TemplateBook book;
   PatternAligner aligner;
+  double additional_evidence;
 
   std::optional<DecodedMarker> judge(double min_evidence, const Alignment& a) const;
   std::optional<DecodedMarker> settle(const ImageLevels& image, double min_evidence, Alignment& a) const;
@@ -62,13 +78,16 @@ std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(double min_evi
   if (a.fit.quiet < kDarkestQuiet * a.fit.gain || a.fit.quiet > kLightestQuiet * a.fit.gain) return std::nullopt;
   decoded.worst_bit = aligner.worstBit(a);
   if (!(decoded.worst_bit < kLargestBitError)) return std::nullopt;
-  const double unexplained = 1.0 - decoded.correlation * decoded.correlation;
-  decoded.evidence = -std::log(std::max(1e-9, unexplained * decoded.worst_bit)) - kCostOfCovered * a.covered();
-  if (decoded.evidence < min_evidence) return std::nullopt;
   const auto likely = book.compare(a.samples, a.level, 2);
   if (likely.empty() || likely[0].id != a.id || likely[0].turn != 0) return std::nullopt;
   decoded.margin = likely.size() > 1 ? likely[0].correlation - likely[1].correlation : 1.0;
   if (decoded.margin < kSmallestMargin) return std::nullopt;
+  const double unexplained = 1.0 - decoded.correlation * decoded.correlation;
+  decoded.evidence = -std::log(std::max(1e-9, unexplained * decoded.worst_bit)) - kCostOfCovered * a.covered() +
+                     kWorthOfMargin * std::min(kMostMargin, decoded.margin);
+  const double needed = std::max(std::min(min_evidence, kLeastEvidence), min_evidence + additional_evidence);
+  decoded.surplus = decoded.evidence - needed;
+  if (decoded.surplus < 0.0) return std::nullopt;
   return decoded;
 }
 
