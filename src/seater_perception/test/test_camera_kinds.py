@@ -29,20 +29,22 @@ def scene(random: np.random.Generator, side: float) -> Scene:
 def drawn(markers: Scene, dictionary: str, area: bool) -> np.ndarray:
     """Ink 45, paper 205 (two cells of it), wall 150. `area`: pixels are means; else one ray each (line skipping)."""
     n = SS if area else 1
-    family = sp.MarkerFamily.named(dictionary)
-    rows, columns = np.mgrid[0 : HEIGHT * n, 0 : WIDTH * n]
-    rays = np.stack([(columns + 0.5) / n - 0.5, (rows + 0.5) / n - 0.5, np.ones(rows.shape)], axis=-1)
-    image = np.full(rows.shape, 150.0)
+    image = np.full((HEIGHT * n, WIDTH * n), 150.0)
     for i, T in markers:
-        code = np.pad(np.array(family.code(i)), family.border)
+        code = np.pad(np.array(sp.MarkerFamily.named(dictionary).code(i)), 1)
         cells = np.pad(code, 2, constant_values=1)
-        H = np.linalg.inv(K @ T[:3, [0, 1, 3]])
-        at = rays @ H.T
+        u, v, z = K @ T[:3, 3]
+        half = 0.9 * F * SIZE / z * len(cells) / len(code)  # of the part of the image that holds it [px]
+        top, left = (max(0, int((c / z - half) * n)) for c in (v, u))
+        part = image[top : int((v / z + half) * n), left : int((u / z + half) * n)]
+        rows, columns = np.indices(part.shape)
+        x, y = (columns + left + 0.5) / n - 0.5, (rows + top + 0.5) / n - 0.5
+        at = np.stack([x, y, np.ones(part.shape)], axis=-1) @ np.linalg.inv(K @ T[:3, [0, 1, 3]]).T
         cell = SIZE / len(code)
         a = np.floor(at[..., 0] / at[..., 2] / cell + 0.5 * len(cells)).astype(int)
         b = np.floor(0.5 * len(cells) - at[..., 1] / at[..., 2] / cell).astype(int)
         on = (a >= 0) & (a < len(cells)) & (b >= 0) & (b < len(cells))
-        image[on] = 45.0 + 160.0 * cells[b[on], a[on]]
+        part[on] = 45.0 + 160.0 * cells[b[on], a[on]]
     return image.reshape(HEIGHT, n, WIDTH, n).mean(axis=(1, 3))
 
 
