@@ -18,7 +18,7 @@ struct DetectorParameters {
   double min_side = 11.0;
   int search_window = 25;
   double search_constant = 4.0;
-  double min_evidence = 3.6;
+  double min_evidence = 3.3;
   double error_correction_rate = 0.6;
   double corner_window = 0.4;
   int corner_window_min = 2;
@@ -62,7 +62,7 @@ struct PoseParameters {
   double tilt_sigma = 0.035;
   double min_hypothesis_weight = 0.02;
   double max_reprojection_error = 1.0;
-  double max_reprojection_fraction = 0.02;
+  double max_reprojection_fraction = 0.05;
   double placement_tolerance = 0.005;
   double placement_sigma = 0.0005;
 

@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "photometric/photometric_stage.h"
+#include "stage/dock_stage.h"
 #include "pose/dock_pose.h"
 #include "search/marker_detector.h"
 #include "seater_perception/camera_model.h"

@@ -23,7 +23,7 @@ struct DecodedMarker {
   double margin = 0.0;       ///< of correlation over the next best code or orientation
   double worst_bit = 0.0;    ///< largest deviation of a cell, of what would turn its bit round: below 1
   /// -log((1 - correlation^2) worst_bit) + 5 margin: all together. What only resembles a marker has one of them at
-  /// most. Each sample left out as covered counts 0.25 against it.
+  /// most. Each sample left out as covered counts 0.5 against it.
   double evidence = 0.0;
   double surplus = 0.0;     ///< evidence beyond what was needed
   int template_level = -1;  ///< template blur level of the fitted code: index into TemplateBook::kTemplateSd
