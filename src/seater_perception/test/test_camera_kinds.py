@@ -30,7 +30,8 @@ def scene(random: np.random.Generator, side: float) -> Scene:
 
 @lru_cache
 def drawn(seed: int, side: float, dictionary: str, area: bool) -> tuple[Scene, np.ndarray]:
-    """A scene and its image. Ink 45, paper 205 (two cells of it), wall 150. `area`: pixels are means; else one ray each (line skipping)."""
+    """A scene and its image: ink 45, paper 205 (two cells of it), wall 150. `area`: pixels are means,
+    else one ray each (line skipping)."""
     markers = scene(np.random.default_rng(seed), side)
     n = SS if area else 1
     image = np.full((HEIGHT * n, WIDTH * n), 150.0)
