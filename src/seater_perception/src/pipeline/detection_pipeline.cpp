@@ -10,6 +10,8 @@ namespace seater_perception {
 
 namespace {
 
+constexpr double kLongTails = 2.0;  // of the corners' standard deviation: see keepCorners
+
 /// Only what is not in the layout can be left out of the search.
 std::set<int> idsOf(const DockLayout& layout) {
   std::set<int> ids;
@@ -137,16 +139,19 @@ void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& 
   result.markers = kept;
 }
 
-/// Poses of the corners, which are as uncertain as what the grey levels deviate from the model says.
+/// Poses of the corners, which are as uncertain as what the grey levels deviate from the model says. Errors of corners
+/// have long tails there: the branch is decided as if they were twice as uncertain.
 void DetectionPipeline::keepCorners(const std::vector<DockHypothesis>& dock, MarkerEstimate& marker) const {
   MarkerCorners corners = marker.image;
   const double usual = corners.edges_fitted ? parameters_.pose.corner_sigma : parameters_.pose.corner_sigma_coarse;
-  corners.corner_sigma = std::hypot(usual, marker.model_sigma);
+  corners.corner_sigma = kLongTails * std::hypot(usual, marker.model_sigma);
   const double model_sigma = marker.model_sigma;
   const auto again = estimateMarker(camera_, corners, marker.size, priorOf(corners.id), parameters_.pose);
   if (!again) return;
   marker = *again;
   marker.model_sigma = model_sigma;
+  marker.image.corner_sigma /= kLongTails;
+  for (auto& h : marker.hypotheses) h.covariance /= kLongTails * kLongTails;
   keepDecided(dock, marker);
 }
 

@@ -18,8 +18,9 @@ constexpr double kBeyondScale = 0.15;  // [ranges of grey levels] how far black 
 constexpr double kClipped = 0.05;     // fraction of the pixels at an end, from which on white or black may lie anywhere
 constexpr double kLargestPsf = 0.95;  // [cells] standard deviation; wider, cells cannot be told apart
 // Residuals at edges over those of flat pixels, from which on the deviation counts.
-constexpr double kNoticed = 1.35;
-constexpr double kAlike = 4.0;       // [pixels] of an edge that err together, where residuals are not noise; by hand
+constexpr double kNoticed = 1.2;
+// [pixels] that err together where residuals are not noise; by the wrong branches on nine kinds of cameras.
+constexpr double kAlike = 12.0;
 constexpr double kBeside = 0.5;      // [sides] round a marker, where its surroundings tell the noise
 constexpr double kLeastNoise = 0.5;  // [grey levels] of rounding and a little more
 // Root mean square slope of a blurred step within 2.5 standard deviations of it, times its width over its height:
