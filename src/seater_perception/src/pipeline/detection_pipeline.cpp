@@ -5,12 +5,14 @@
 
 #include "image/image_checks.h"
 #include "pipeline/expected_marker.h"
+#include "stage/initial_poses.h"
 
 namespace seater_perception {
 
 namespace {
 
-constexpr double kLongTails = 2.0;  // of the corners' standard deviation: see keepCorners
+constexpr double kUndecided = 0.05;  // ambiguity of corners from which on both branches go out
+constexpr double kLongTails = 2.0;   // of the corners' standard deviation: see keepCorners
 
 /// Only what is not in the layout can be left out of the search.
 std::set<int> idsOf(const DockLayout& layout) {
@@ -120,6 +122,15 @@ void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& 
     const auto refine = [&](bool as_tracked) {
       keepDecided(dock, marker);
       RefinedMarker refined = refineMarker(context, prior, marker, as_tracked);
+      const MarkerEstimate& m = refined.marker;
+      const bool one = refined.outcome == MarkerOutcome::refined && m.hypotheses.size() == 1;
+      if (one && refined.deviates && !m.image.shadow && m.image.side() < kLargeMarker) {
+        // Of residuals that are not noise alone, one minimum does not decide the branch.
+        MarkerEstimate by_corners = marker;
+        by_corners.model_sigma = m.model_sigma;
+        keepCorners(dock, by_corners);
+        if (by_corners.ambiguity > kUndecided) refined.marker = by_corners;
+      }
       marker = std::move(refined.marker);
       if (refined.outcome == MarkerOutcome::corners_kept) keepCorners(dock, marker);
       return refined.outcome;

@@ -67,7 +67,7 @@ RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& p
   MarkerFits fits(context, marker, tracked);
   const double psf_sd = marker.image.edges_fitted || tracked ? marker.image.psf_sd : 0.0;
   auto hypotheses = fits.fit(context.refiner, psf_sd);
-  if (tracked && (hypotheses.empty() || fits.misfit() > kMisfit)) return {MarkerOutcome::doubtful, marker};
+  if (tracked && (hypotheses.empty() || fits.misfit() > kMisfit)) return {MarkerOutcome::doubtful, marker, true};
   if (hypotheses.empty() && psf_sd > 0.0) hypotheses = fits.fit(context.refiner, 0.0);
   if (hypotheses.empty() && marker.image.side() > kLargeMarker) {
     // The quiet zone may be darker than the print's white (cut close and pasted on a wall): the print alone, then.
@@ -76,7 +76,7 @@ RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& p
     PhotometricRefiner refiner(print_only);
     hypotheses = fits.fit(refiner, psf_sd);
   }
-  RefinedMarker refined{MarkerOutcome::corners_kept, marker};
+  RefinedMarker refined{MarkerOutcome::corners_kept, marker, fits.doubt() > 1.0};
   refined.marker.model_sigma = hypotheses.empty() ? context.pose.corner_sigma_coarse : fits.modelSigma();
   if (hypotheses.empty() ||
       !compareWithCorners(context, marker, fits.cells(), fits.modelSigma(), fits.doubt(), hypotheses) ||

@@ -30,6 +30,7 @@ enum class MarkerOutcome {
 struct RefinedMarker {
   MarkerOutcome outcome = MarkerOutcome::corners_kept;
   MarkerEstimate marker;  ///< poses are changed only when the outcome is `refined`, model_sigma is set always
+  bool deviates = false;  ///< what the fit has left over is more than noise
 };
 
 /// Poses of a detected marker. Fits begin at all its hypotheses which the corners cannot tell apart; what remains is
