@@ -23,7 +23,7 @@ from seater_nmpc.control.controller import DockingController  # noqa: E402
 from seater_nmpc.observe.measurement import Hypothesis  # noqa: E402
 from seater_nmpc.observe.observer import DockObserver  # noqa: E402
 from seater_nmpc.observe.odometry import Odometry  # noqa: E402
-from seater_nmpc.parameters import ControlParameters, Prediction  # noqa: E402
+from seater_nmpc.parameters import ControlParameters, PlausibilityParameters, Prediction  # noqa: E402
 from seater_nmpc.plan.navigator import Navigator  # noqa: E402
 from seater_nmpc.sequence.docking_sequence import DockingSequence  # noqa: E402
 from seater_nmpc.sequence.results import Step  # noqa: E402
@@ -55,6 +55,9 @@ class World:
     contact: Callable[[World], bool | None] = lambda world: None
     odometry_alive: Callable[[World], bool] = lambda world: True
     obeys: bool = True
+    moves: Callable[[World, float, float], tuple[float, float]] = lambda world, v, omega: (v, omega)
+    measures: Callable[[World, Odometry], Odometry] = lambda world, odometry: odometry
+    shows: Callable[[World, list[Hypothesis]], list[Hypothesis]] = lambda world, found: found
     vehicle: Vehicle = field(default_factory=lambda: Vehicle(Chair(), Dock()))
     now: float = 10.0
     v: float = 0.0
@@ -69,15 +72,15 @@ class World:
         self.now = round(self.now + 0.01, 6)
         if self.obeys and self.commands:
             self.v, self.omega = self.commands[-1].v, self.commands[-1].omega
-        self.truth = arc_step(self.truth, self.v, self.omega, 0.01)
+        self.truth = arc_step(self.truth, *self.moves(self, self.v, self.omega), 0.01)
         self.track.append(self.truth)
         if self.odometry_alive(self):
             odometry = Odometry(self.now, compose(T_ODOM_DOCK, self.truth), self.v, self.omega)
-            self.sequence.add_odometry(self.vehicle.odometry(odometry))
+            self.sequence.add_odometry(self.vehicle.odometry(self.measures(self, odometry)))
             if round(self.now * 100) % 3 == 0:
                 error = self.noise.normal(size=3) * [NOISE[0], NOISE[0], NOISE[1]]
                 found = [observation(self.chair, inverse(self.truth) + error)] if self.seen(self) else []
-                self.sequence.add_detections(self.now, found)
+                self.sequence.add_detections(self.now, self.shows(self, found))
 
     @property
     def smallest_clearance(self) -> float:
@@ -134,7 +137,14 @@ def make_world(quick_controller: DockingController, navigator: Navigator) -> Cal
         quick_controller.reset()
         observer = DockObserver(chair.camera)
         sequence = DockingSequence(
-            chair, dock, quick_controller, observer, parameters, require_contact=require_contact, navigator=navigator
+            chair,
+            dock,
+            quick_controller,
+            observer,
+            parameters,
+            require_contact=require_contact,
+            navigator=navigator,
+            plausibility=replace(PlausibilityParameters(), **settings.pop("plausibility", {})),  # type: ignore[arg-type]
         )
         truth = np.array([start[0], start[1], np.deg2rad(start[2])])
         return World(sequence, chair, dock, truth, **settings)  # type: ignore[arg-type]

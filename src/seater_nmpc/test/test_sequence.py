@@ -173,8 +173,11 @@ def test_the_goals_own_timeout_counts(make_world) -> None:
 
 
 def test_stuck_on_the_final_straight_retries_then_gives_up(make_world) -> None:
-    """The chair obeys no more: it stands short of the dock, backs out (in vain), and the retry's deadline ends it."""
-    world = start(make_world((-0.3, 0.0, 0.0), sequence={"stall_time": 0.6}, timeouts={"retry": 1.0}))
+    """Asked for less than what surely moves it: it stands short of the dock, backs out (in vain), and the retry's
+    deadline ends it."""
+    unsure = {"blocked_speed": 1.0, "blocked_turning": 2.0}
+    settings = {"sequence": {"stall_time": 0.6}, "timeouts": {"retry": 1.0}, "plausibility": unsure}
+    world = start(make_world((-0.3, 0.0, 0.0), **settings))
     world.obeys = False
     result = ended(world, world.run(10.0), ResultCode.FAILED_TO_STAGE)
     assert result.retries == 1 and "RETRY" in world.phases
@@ -243,7 +246,7 @@ def test_controller_without_solutions_ends_the_goal(make_world, monkeypatch) -> 
 def test_undock_backs_out_and_stands(make_world) -> None:
     world = make_world((0.0, 0.0, 0.0), seen=lambda w: False)
     world.tick()
-    world.sequence.start_undock(world.now)
+    world.sequence.start_undock(world.now, force=True)
     assert ended(world, world.run(30.0), ResultCode.SUCCESS).success
     assert world.truth == pytest.approx([world.dock.predock_x, 0.0, 0.0], abs=0.1)
     assert abs(world.v) <= 0.01 and world.smallest_clearance > 0.0
@@ -269,7 +272,8 @@ def test_pose_of_the_chair_is_reported_in_the_docks_frame(make_world) -> None:
 
 
 def test_a_chair_that_gets_stuck_on_the_approach_backs_off(make_world) -> None:
-    world = start(make_world((-3.0, 0.9, 0.0)))
+    unsure = {"blocked_speed": 1.0, "blocked_turning": 2.0}  # what surely moves it is more than it is asked for
+    world = start(make_world((-3.0, 0.9, 0.0), plausibility=unsure))
     world.run(8.0, until=lambda step: step.phase is Phase.APPROACH and step.command.v > 0.1)
     world.obeys, world.v, world.omega = False, 0.0, 0.0
     step = world.run(6.0, until=lambda step: step.command.v < -0.05)

@@ -116,7 +116,7 @@ def test_undocks_forward_out_of_the_bay(make_backward) -> None:
     world = make_backward([0.0, 0.0, math.pi])
     world.seen = lambda w: False
     world.tick()
-    world.sequence.start_undock(world.now)
+    world.sequence.start_undock(world.now, force=True)
     step = world.run(30.0)
     assert step.result is not None and step.result.success
     assert BACKWARD.docking_error(world.truth) == pytest.approx([BACKWARD.predock_x, 0.0, 0.0], abs=0.1)

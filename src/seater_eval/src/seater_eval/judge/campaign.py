@@ -34,6 +34,8 @@ _SPREADS = (
     "estimate_error_m",
     "estimate_error_deg",
     "nees_mean",
+    "noticed_s",
+    "moved_after_fault_m",
 )
 
 
@@ -99,6 +101,8 @@ def describe(data: dict[str, Any]) -> str:
         "reversals",
         "turns",
         "time [s]",
+        "noticed [s]",
+        "way after [m]",
         "jerk",
         "ended",
     ]
@@ -116,6 +120,8 @@ def describe(data: dict[str, Any]) -> str:
                 _pair(s["reversals"], 1.0, 0),
                 _pair(s["turn_changes"], 1.0, 0),
                 _pair(s["time_s"], 1.0, 1),
+                _pair(s["noticed_s"], 1.0, 2),
+                _pair(s["moved_after_fault_m"], 1.0, 2),
                 _pair(s["peak_jerk_m_s3"], 1.0, 1),
                 ", ".join(f"{code} {count}" for code, count in s["codes"].items()),
             ]
@@ -126,8 +132,9 @@ def describe(data: dict[str, Any]) -> str:
         for row in data["rows"]
         for cause, count in row["summary"]["failures"].items()
     ]
-    note = "refused: not docked, never moved; peak jerk [m/s^3] of the true speed low-passed at 5 Hz"
-    return f"{told}\n{text_table(head, rows, 'lrrrrrrrrrl')}\n{note}\n\n" + "\n".join(failures)
+    note = "refused: not docked, never moved; noticed, way after: since the fault began, until the result and in all"
+    note += "\npeak jerk [m/s^3] of the true speed low-passed at 5 Hz"
+    return f"{told}\n{text_table(head, rows, 'lrrrrrrrrrrrl')}\n{note}\n\n" + "\n".join(failures)
 
 
 def _pair(values: dict[str, float | None], factor: float, digits: int) -> str:

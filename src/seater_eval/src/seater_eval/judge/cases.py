@@ -11,6 +11,7 @@ import numpy as np
 from seater_common.geometry import Chair, Dock
 from seater_eval.judge.plant.camera import DockCamera
 from seater_eval.judge.plant.effects import Effects, changed, kinematic
+from seater_eval.judge.plant.faults import Fault
 from seater_eval.judge.verdict import smallest_gap
 
 Start = tuple[float, float, float]
@@ -30,6 +31,7 @@ class Row:
     effects: Effects
     starts: str = "front"
     markers: int = 0  # so many of the dock's markers, the first ones; 0: all
+    fault: Fault | None = None
 
 
 def _effect(group: str, **values: object) -> Callable[[float], Effects]:

@@ -59,7 +59,13 @@ class SequenceDriver:
         self.observer = DockObserver(chair.camera, parameters.observer)
         navigator = self.kept.navigator(parameters)
         self._sequence = DockingSequence(
-            chair, self.files.dock, controller, self.observer, parameters.sequence, navigator=navigator
+            chair,
+            self.files.dock,
+            controller,
+            self.observer,
+            parameters.sequence,
+            navigator=navigator,
+            plausibility=parameters.plausibility,
         )
         self._cycle = -1
 

@@ -19,6 +19,7 @@ from seater_eval.judge.plant.built import draw_built
 from seater_eval.judge.plant.camera import DockCamera
 from seater_eval.judge.plant.chair import STEP, IndependentChair
 from seater_eval.judge.plant.encoders import WheelOdometry
+from seater_eval.judge.plant.faults import Injector
 from seater_eval.judge.told import told_parameters
 from seater_eval.judge.verdict import Motion, judge, smallest_gap
 from seater_nmpc.parameters import ControlParameters, NmpcParameters
@@ -83,6 +84,7 @@ def run(job: Job) -> tuple[dict[str, Any], Log]:
         "built": dataclasses.asdict(loop.built) | {"patches": len(loop.built.patches)},
         **_estimate_values(log.estimates),
         "outcomes": loop.outcomes(),
+        **loop.after_fault(),
         "wall_s": round(time.perf_counter() - begun, 2),
     }
     return values, log
@@ -101,12 +103,14 @@ class _Loop:
         self.start = draw_start(job.row.starts, files.chair, files.dock, camera, streams[1])
         self.built = draw_built(effects, streams[2])
         self._chair = IndependentChair(effects, self.built, self.start, streams[3])
+        self._injector = Injector(job.row.fault)
         self._odometry = WheelOdometry(effects.encoders, _BEGIN, _ORIGIN, streams[4])
         self.driver = self._make_driver(streams[5])
         self._image = _BEGIN + streams[5].uniform(0.0, 1.0 / effects.pictures.rate)
         self._images: list[tuple[float, Any]] = []
         self._rows: list[list[float]] = []
         self._commands: list[list[float]] = []
+        self._ended = math.inf
 
     def _make_driver(self, rng: np.random.Generator) -> Driver:
         job, base = self._job, self._files.parameters
@@ -129,11 +133,12 @@ class _Loop:
         steps, ended, moved = 0, math.inf, _BEGIN
         while True:
             now = _BEGIN + steps * STEP
-            self._exchange(now)
             chair = self._chair
+            self._injector.time(now, chair, self.driver.result is not None)
+            self._exchange(now)
             self._rows.append([now, chair.x, chair.y, chair.heading, chair.v, chair.omega])
             if self.driver.result is not None and ended == math.inf:
-                ended = now
+                ended = self._ended = now
             if max(abs(chair.v), abs(chair.omega)) > _STANDING:
                 moved = now
             idle = self._job.driver == "class" and now - moved > _IDLE
@@ -141,7 +146,7 @@ class _Loop:
                 return
             if steps % 20 == 0 and self._gap() < _CRASHED:
                 return
-            chair.step(now)
+            self._injector.step(now, chair)
             steps += 1
 
     def _gap(self) -> float:
@@ -153,15 +158,17 @@ class _Loop:
         chair, pictures = self._chair, self._job.row.effects.pictures
         if self._job.driver == "sequence" and now >= self._image:
             self._image += 1.0 / pictures.rate
-            self._images.append((now, self._camera.look((chair.x, chair.y, chair.heading))))
+            seen = self._camera.look((chair.x, chair.y, chair.heading))
+            self._images.append((now, self._injector.image(seen)))
         while self._images and self._images[0][0] + pictures.latency <= now + 1e-9:
             self.driver.image(*self._images.pop(0))
         self._odometry.look(now, chair.rolled)
-        asked = [self.driver.odometry(message, chair) for message in self._odometry.messages(now)]
+        messages = [self._injector.odometry(message) for message in self._odometry.messages(now)]
+        asked = [self.driver.odometry(message, chair) for message in messages]
         for command in [*asked, self.driver.time(now, chair)]:
             if command is not None:
                 self._commands.append([now, *command])
-                chair.command(now, *command)
+                chair.command(now, *self._injector.command(*command))
 
     def log(self) -> Log:
         """Of what was driven."""
@@ -170,6 +177,19 @@ class _Loop:
         commands = np.array(self._commands).reshape(-1, 3) - [_BEGIN, 0.0, 0.0]
         estimates = np.array(self.driver.estimates).reshape(-1, 6) - [_BEGIN, 0.0, 0.0, 0.0, 0.0, 0.0]
         return Log(Motion(rows[:, 0], rows[:, 1:4], rows[:, 4:6]), commands, estimates)
+
+    def after_fault(self) -> dict[str, float | None]:
+        """Time from the fault's beginning to the result [s], and the true way driven from then on [m]."""
+        began = self._injector.began
+        if began is None:
+            return {"noticed_s": None, "moved_after_fault_m": None}
+        rows = np.array(self._rows)
+        after = rows[rows[:, 0] >= began - 1e-9]
+        way = float(np.hypot(*np.diff(after[:, 1:3], axis=0).T).sum())
+        return {
+            "noticed_s": self._ended - began if math.isfinite(self._ended) else None,
+            "moved_after_fault_m": way,
+        }
 
     def outcomes(self) -> dict[str, int]:
         """What became of the images, by the observer's words."""

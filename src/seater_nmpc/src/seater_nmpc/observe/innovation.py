@@ -28,6 +28,9 @@ class Outcome(IntEnum):
     NO_ODOMETRY = 8  # none for the time of the image
     EMPTY = 9  # no dock in the image
     WAITING = 10  # kept, until the odometry of its time arrives
+    FROZEN = 11  # the same poses as in the last image though the wheels have turned
+    UNCERTAIN = 12  # its own covariance is too large to see by
+    ELSEWHERE = 13  # agrees with earlier ones on a dock too far from where it was to go on with
 
     @property
     def accepted(self) -> bool:

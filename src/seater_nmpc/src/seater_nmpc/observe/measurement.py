@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import planar_pose
-from seater_common.se2 import compose, wrap_angle
+from seater_common.se2 import compose, relative, wrap_angle
 
 Array = NDArray[np.float64]
 
@@ -88,3 +88,14 @@ def combine(measurements: list[Measurement]) -> Measurement:
     covariance = np.linalg.inv(information)
     mean = reference + covariance @ vector
     return Measurement(np.array([mean[0], mean[1], wrap_angle(float(mean[2]))]), 0.5 * (covariance + covariance.T))
+
+
+def apart(T_odom_base: ArrayLike, before: ArrayLike, now: ArrayLike) -> tuple[float, float]:
+    """(way [m], turn [rad]) between two poses of the dock in odom, as odometry would have to have drifted.
+
+    A heading of the odometry that is off turns the dock about the chair, so that much of its shift is no way.
+    """
+    here, there = relative(T_odom_base, before), relative(T_odom_base, now)
+    turn = wrap_angle(float(there[2] - here[2]))
+    turned = compose([0.0, 0.0, turn], here)
+    return math.dist(turned[:2], there[:2]), turn

@@ -19,8 +19,9 @@ from seater_nmpc.observe.bank import SLIPS, FilterBank
 from seater_nmpc.observe.drift import Drift
 from seater_nmpc.observe.filter import State
 from seater_nmpc.observe.innovation import Fusion, Innovation, Outcome
-from seater_nmpc.observe.measurement import Hypothesis, Measurement, Planar, in_frame, project
+from seater_nmpc.observe.measurement import Hypothesis, Measurement, apart, combine
 from seater_nmpc.observe.odometry import Instant, Odometry, OdometryBuffer
+from seater_nmpc.observe.offers import Offers
 from seater_nmpc.observe.reasons import why_unused
 from seater_nmpc.parameters import ObserverParameters
 
@@ -55,9 +56,10 @@ class DockObserver:
         self, mount: CameraMount, parameters: ObserverParameters | None = None, *, standing: bool = True
     ) -> None:
         """`standing`: the first estimate is made only while the chair stands."""
-        self._T_base_optical = mount.T_base_optical()
         self.parameters = parameters or ObserverParameters()
-        self._standing, self._moving_allowed = standing, False
+        self._offers = Offers(mount, self.parameters)
+        self._standing, self._moving_allowed, self._bounded = standing, False, False
+        self.shown: deque[tuple[Instant, list[Measurement]]] = deque()  # by the last images, whether used or not
         p = self.parameters
         self._calibration = np.diag([p.calibration_position**2, p.calibration_position**2, p.calibration_heading**2])
         self.odometry = OdometryBuffer(self.parameters.buffer_duration, self.parameters.max_extrapolation)
@@ -78,12 +80,17 @@ class DockObserver:
         self._candidates = Acquisition(p.acquire_count, *acquire)
         self._rejected = Acquisition(p.reacquire_count, *acquire)
         self.last_rejected: Innovation | None = None  # of the newest image, when it was outside the gate
+        self.elsewhere: tuple[float, float] | None = None  # [m, rad] so far off images agree on another place
         self._stamps: deque[float] = deque(maxlen=_RATE_IMAGES)
         self._since_used: Counter[Outcome] = Counter()  # what became of the images since the last used one
 
     def acquire_moving(self, moving: bool) -> None:
         """Whether the first estimate may be made while the chair moves; else as constructed."""
         self._moving_allowed = moving
+
+    def bound_reacquisition(self, bounded: bool) -> None:
+        """Whether a dock that images show elsewhere has to be near where it was: while a goal relies on it."""
+        self._bounded, self.elsewhere = bounded, None
 
     @property
     def prior(self) -> Array | None:
@@ -109,7 +116,7 @@ class DockObserver:
         if fusion.outcome is Outcome.GATE:
             self.last_rejected = fusion.innovation
         elif fusion.outcome.accepted:
-            self.last_rejected = None
+            self.last_rejected = self.elsewhere = None
             self._since_used.clear()
         return fusion
 
@@ -162,10 +169,12 @@ class DockObserver:
         chair = self.odometry.at(stamp)
         if chair is None:
             return Fusion(outcome=Outcome.NO_ODOMETRY)
-        planar = [p for p in (project(self._T_base_optical, hypothesis) for hypothesis in hypotheses) if p is not None]
-        offered = [in_frame(chair.pose, p.measurement) for p in planar if self._on_the_floor(p)]
-        if not offered:
-            return Fusion(outcome=Outcome.FLIP if planar else Outcome.INVALID)
+        offered = self._offers.look(chair, hypotheses)
+        if isinstance(offered, Outcome):
+            return Fusion(outcome=offered)
+        self.shown.append((chair, offered))
+        while self.shown[0][0].stamp < chair.stamp - self.parameters.buffer_duration:
+            self.shown.popleft()
         if self._bank.last is None:
             return Fusion(outcome=self._acquire(chair, offered))
         return self._fuse(chair, offered)
@@ -177,14 +186,10 @@ class DockObserver:
             return False
         return stamp <= newest.stamp + 2.0 * period
 
-    def _on_the_floor(self, planar: Planar) -> bool:
-        return planar.tilt <= self.parameters.max_tilt and abs(planar.height) <= self.parameters.max_height
-
     def _acquire(self, chair: Instant, offered: list[Measurement]) -> Outcome:
-        p = self.parameters
         if self._prior is not None:
             offered = [m for m in offered if math.dist(m.pose[:2], self._prior[:2]) <= self._prior_radius]
-        moving = abs(chair.v) > p.acquire_speed or abs(chair.omega) > p.acquire_speed + 2.0 * p.gyro_bias_sd
+        moving = self._is_moving(chair)
         must_stand = self._standing and not self._moving_allowed
         if not offered or (must_stand and moving):
             if must_stand and moving:
@@ -195,6 +200,10 @@ class DockObserver:
             return Outcome.ACQUIRING
         self._begin(series)
         return Outcome.ACQUIRED
+
+    def _is_moving(self, chair: Instant) -> bool:
+        p = self.parameters
+        return abs(chair.v) > p.acquire_speed or abs(chair.omega) > p.acquire_speed + 2.0 * p.gyro_bias_sd
 
     def _begin(self, series: list[tuple[Instant, Measurement]]) -> None:
         self._bank.begin(series)
@@ -208,11 +217,24 @@ class DockObserver:
         if fusion.outcome is Outcome.FUSED:
             self._rejected.clear()
             return fusion
+        if self._standing and not self._moving_allowed and self._is_moving(chair):
+            self._rejected.clear()  # what agrees while it drives may be a fault of what it drives by
+            return fusion
         series = self._rejected.offer(chair, offered)
         if series is None:
             return fusion
+        self.elsewhere = self._too_far(chair, series) if self._bounded else None
+        if self.elsewhere is not None:
+            return Fusion(outcome=Outcome.ELSEWHERE, innovation=fusion.innovation)
         self._begin(series)
         return Fusion(outcome=Outcome.REACQUIRED, innovation=fusion.innovation)
+
+    def _too_far(self, chair: Instant, series: list[tuple[Instant, Measurement]]) -> tuple[float, float] | None:
+        """How far [m, rad] the dock has moved in a way that no drift within the bounds explains; None: near enough."""
+        known, p = self.estimate(chair.stamp), self.parameters
+        assert known is not None  # only a known dock is acquired again
+        way, turn = apart(chair.pose, known.pose, combine([measurement for _, measurement in series]).pose)
+        return (way, turn) if way > p.reacquire_distance or abs(turn) > p.reacquire_turn else None
 
     def _wander(self, dock: Array, before: Instant, now: Instant) -> Array:
         """Covariance (3, 3) of how far the odometry of a slipping chair may have moved the dock between two images."""

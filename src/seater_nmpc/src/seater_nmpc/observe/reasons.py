@@ -15,6 +15,8 @@ _TEXTS = {
     Outcome.NO_ODOMETRY: "have a time for which there is no odometry (check the clocks of camera and odometry)",
     Outcome.ACQUIRING: "do not agree yet, or came while the chair was moving",
     Outcome.WAITING: "wait for the odometry of their time",
+    Outcome.FROZEN: "show exactly the same though the wheels have turned (do camera or driver repeat old images?)",
+    Outcome.UNCERTAIN: "are too uncertain by their own covariance (markers too small in the image, or too far)",
 }
 
 
@@ -24,8 +26,9 @@ def why_unused(outcomes: Counter[Outcome], rejected: Innovation | None) -> str:
     if total == 0:
         return "no image came"
     parts = [f"{count} {_TEXTS[outcome]}" for outcome, count in outcomes.most_common() if outcome in _TEXTS and count]
-    if outcomes[Outcome.GATE]:
-        parts.insert(0, f"{outcomes[Outcome.GATE]} show the dock but were rejected{_how_far(rejected)}")
+    outside = outcomes[Outcome.GATE] + outcomes[Outcome.ELSEWHERE]
+    if outside:
+        parts.insert(0, f"{outside} show the dock but were rejected{_how_far(rejected)}")
     return f"of {total} images " + ", ".join(parts)
 
 

@@ -21,6 +21,9 @@ from seater_nmpc.parameters.observer import (
 from seater_nmpc.parameters.planner import (
     PlannerParameters,
 )
+from seater_nmpc.parameters.plausibility import (
+    PlausibilityParameters,
+)
 from seater_nmpc.parameters.sequence import (
     SequenceParameters,
     Timeouts,
@@ -35,6 +38,7 @@ __all__ = [
     "ObserverParameters",
     "PaperWeights",
     "PlannerParameters",
+    "PlausibilityParameters",
     "Prediction",
     "RtiParameters",
     "SequenceParameters",
@@ -52,3 +56,4 @@ class NmpcParameters:
     planner: PlannerParameters = field(default_factory=PlannerParameters)
     observer: ObserverParameters = field(default_factory=ObserverParameters)
     sequence: SequenceParameters = field(default_factory=SequenceParameters)
+    plausibility: PlausibilityParameters = field(default_factory=PlausibilityParameters)

@@ -20,6 +20,17 @@ class ObserverParameters:
     reacquire_count: int = param(
         8, "", "rejected measurements in a row that agree and replace the estimate", low=2, high=100
     )
+    reacquire_distance: float = param(
+        0.15, "m", "how far from where it was a goal goes on with a dock that it sees elsewhere", low=0.0, high=5.0
+    )
+    reacquire_turn: float = param(0.15, "rad", "the same for its heading", low=0.0, high=3.1416)
+    max_sd: float = param(
+        0.05,
+        "m",
+        "standard deviation of an image's dock position up to which it counts as seen, plus a tenth of its distance",
+        low=0.001,
+        high=1.0,
+    )
     gate: float = param(16.3, "", "chi-square gate, 3 degrees of freedom (16.3: 99.9 %)", low=1.0, high=1000.0)
     acquire_odds: float = param(
         20.0, "", "likelihood ratio at which one of several poses is believed", low=1.0, high=1e6

@@ -60,6 +60,7 @@ def load_core(*, lock_step: bool) -> Core:
         parameters.sequence,
         require_contact=flag("~require_contact"),
         navigator=navigator,
+        plausibility=parameters.plausibility,
     )
     controller.warm_up()  # so that the first cycle is not late
     if not shadow:

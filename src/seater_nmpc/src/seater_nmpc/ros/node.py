@@ -41,7 +41,7 @@ class DockingNode:
         self._contact: bool | None = None
         self._queue: queue.Queue[tuple[str, Any]] = queue.Queue()
         self._clock: Callable[[], float] = rospy.get_time if lock_step else time.monotonic
-        self._last_odometry = self._clock()
+        self._last_odometry, self._last_stamp = self._clock(), rospy.Time()
         self._out = Publishers(self._dock_frame, lock_step)
         self._tf = tf2_ros.Buffer()
         self._tf_in = tf2_ros.TransformListener(self._tf)
@@ -69,8 +69,8 @@ class DockingNode:
         rospy.Subscriber("charging_contact", Bool, lambda m: self._enqueue("contact", m.data), queue_size=10)
 
     def _enqueue(self, kind: str, content: Any) -> None:
-        if kind == "odom":
-            self._last_odometry = self._clock()
+        if kind == "odom" and content.header.stamp > self._last_stamp:  # a clock that stands is no odometry
+            self._last_odometry, self._last_stamp = self._clock(), content.header.stamp
         self._queue.put((kind, content))
 
     def _work(self) -> None:
@@ -110,7 +110,7 @@ class DockingNode:
             self._abort(ResultCode.ODOMETRY_LOST, "time went backward")
             self._core.observer.odometry.clear()
             self._core.observer.reset()
-            self._cycle = -1
+            self._cycle, self._last_stamp = -1, rospy.Time()
         if not self._core.sequence.add_odometry(self._core.vehicle.odometry(conversions.odometry(message))):
             rospy.logwarn_throttle(1.0, "odometry refused: not finite, or its stamp %.3f is not newer", stamp)
         self._out.stamp = max(self._out.stamp, message.header.stamp) if self._cycle >= 0 else message.header.stamp
@@ -184,7 +184,7 @@ class DockingNode:
         if kind == "dock":
             self._core.sequence.start_dock(now, goal.timeout, prior)
         else:
-            self._core.sequence.start_undock(now, goal.timeout)
+            self._core.sequence.start_undock(now, goal.timeout, force=goal.force)
 
     def _on_cancel(self, handle: Any) -> None:
         if self._goals.is_current(handle):

@@ -27,8 +27,9 @@ from seater_nmpc.observe.measurement import Hypothesis
 from seater_nmpc.observe.motion import MotionObserver
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Instant, Odometry
-from seater_nmpc.parameters import SequenceParameters
+from seater_nmpc.parameters import PlausibilityParameters, SequenceParameters
 from seater_nmpc.plan.navigator import Navigator
+from seater_nmpc.plausibility.watch import Watch
 from seater_nmpc.sequence.phases import STANDING, GoalEnd, Phases
 from seater_nmpc.sequence.results import Phase, Result, ResultCode, Step
 
@@ -46,11 +47,14 @@ class DockingSequence:
         *,
         require_contact: bool = False,
         navigator: Navigator | None = None,
+        plausibility: PlausibilityParameters | None = None,
     ) -> None:
         """`navigator`: finds the way to the bay; None: one with default parameters."""
         self.observer, self._controller = observer, controller
         self._dock, self._parameters = dock, parameters or SequenceParameters()
         self._motion = MotionObserver(controller.history, observer.parameters)
+        checks = plausibility or PlausibilityParameters()
+        self._watch = Watch(chair, dock, observer, controller.history, checks)
         self._phases = Phases(
             chair,
             dock,
@@ -77,12 +81,14 @@ class DockingSequence:
             self.observer.reset(prior, prior_radius)
         self._begin(now, Phase.WAITING_FOR_DOCK, timeout or self._parameters.timeouts.dock)
 
-    def start_undock(self, now: float, timeout: float = 0.0) -> None:
-        """Begin to back out to the predock point, by odometry from where the dock is known or taken to be.
+    def start_undock(self, now: float, timeout: float = 0.0, *, force: bool = False) -> None:
+        """Begin to back out to the predock point, by odometry from where the dock is known to be.
 
-        Where no fresh estimate is at hand, the chair is taken to stand docked. Raises: as `start_dock`.
+        With the contact closed, or by `force`, the chair is taken to stand docked where no dock is known near it; else
+        the goal ends with NOT_DOCKED. Raises: as `start_dock`.
         """
         self._check_start(now, timeout)
+        self._phases.force = force
         self._begin(now, Phase.UNDOCKING, timeout or self._parameters.timeouts.undock)
 
     def cancel(self) -> None:
@@ -131,6 +137,7 @@ class DockingSequence:
     def _begin(self, now: float, phase: Phase, timeout: float) -> None:
         self.active, self._cancelled = True, False
         self._phases.begin(now, phase, timeout)
+        self._watch.begin(now)
 
     def _check(self, now: float) -> Instant | None:
         """What ends every phase; the chair at `now`, None while the odometry is late but not lost yet."""
@@ -147,6 +154,9 @@ class DockingSequence:
             code, text = late
             unseen = code is ResultCode.FAILED_TO_DETECT_DOCK
             raise GoalEnd(code, f"{text}: {self.observer.why_unseen}" if unseen else self._with_reason(text))
+        found = self._watch.check(now)
+        if found is not None:
+            raise GoalEnd(ResultCode[found.kind.name], found.text)
         return self.observer.odometry.at(now)
 
     def _with_reason(self, text: str) -> str:
@@ -156,6 +166,7 @@ class DockingSequence:
 
     def _step(self, now: float, command: Command, result: Result | None = None) -> Step:
         self._controller.history.sent(now, command.v, command.omega)  # some are the sequence's own
+        self._watch.asked(now, command.v, command.omega)
         phases, estimate = self._phases, self.observer.estimate()
         error, distance = phases.error, -1.0
         if error is not None and phases.phase is Phase.UNDOCKING:
@@ -178,6 +189,7 @@ class DockingSequence:
         phases = self._phases
         now = now if math.isfinite(now) else phases.now
         self.active = False
+        self.observer.bound_reacquisition(False)
         self._controller.reset()
         x, y, heading = (float(value) for value in (np.zeros(3) if phases.error is None else phases.error))
         result = Result(

@@ -33,6 +33,7 @@ Array = NDArray[np.float64]
 
 STANDING = Command(v=0.0, omega=0.0)
 _MOVING = (Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.CORRECTING)
+_DOCK_ANYWHERE = (Phase.WAITING_FOR_DOCK, Phase.SEARCHING, Phase.UNDOCKING)  # none drives by where the dock was seen
 _UNDOCKED_SPEED = 0.1  # [m/s] below which the chair near the predock point has arrived there
 _IMAGES_THAT_MAY_FAIL = 4  # in a row, the time until the next one arrives reckoned in
 _NEAR = 0.03  # [m] from the dock, where a chair that does not drive on is helped by a small move
@@ -40,6 +41,7 @@ _BACK_OFF, _BACK_OFF_TIME = 0.6, 8.0  # [m, s] that the chair backs off where it
 _WELL_IN_FRONT = 0.3  # [m] nearer to the bay or farther from it, the side wall would (not) hide the markers either
 _ASIDE = 0.35  # [rad] of the camera's axis, from which on markers may be out of view
 _SEEN_NOW = 0.5  # [s] or a few images: a dock seen so lately is in view
+_LANE = (0.3, 0.5)  # [m, rad] beside the dock's axis and ahead of the predock point, where a chair may back out
 _STOPPING_MARGIN = 0.001  # [m] short of the dock at which it may come to rest
 _UNSEEN_IMAGES = 6  # times between two images
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
@@ -91,6 +93,7 @@ class Phases:
             Phase.UNDOCKING: self._undock,
         }
         self.contact: bool | None = None  # the charging contact, None: not known
+        self.force = False  # undock from here, whatever is known
         self.begin(0.0, Phase.WAITING_FOR_DOCK, 0.0)
 
     def begin(self, now: float, phase: Phase, timeout: float) -> None:
@@ -164,6 +167,7 @@ class Phases:
             self._fine_move: FineMove | None = None
         self._search: Search | None = None
         self._observer.acquire_moving(phase is Phase.SEARCHING)
+        self._observer.bound_reacquisition(phase not in _DOCK_ANYWHERE)
         if phase in (Phase.WAITING_FOR_DOCK, Phase.VERIFY, Phase.UNDOCKING):
             self._controller.reset()
 
@@ -380,9 +384,7 @@ class Phases:
 
     def _undock(self, chair: Instant) -> Command:
         if self.T_odom_dock is None:
-            estimate = self._observer.estimate(chair.stamp)
-            known = estimate is not None and not self.blind(estimate)
-            self.T_odom_dock = estimate.pose if estimate is not None and known else chair.pose
+            self.T_odom_dock = self._dock_to_leave(chair)
         self.error = relative(self.T_odom_dock, chair.pose)
         to_go = self.error - [self._dock.predock_x, 0.0, 0.0]
         p = self._parameters
@@ -392,6 +394,22 @@ class Phases:
                 raise GoalEnd(ResultCode.SUCCESS, "undocked")
             return STANDING
         return self._drive(chair, "predock")
+
+    def _dock_to_leave(self, chair: Instant) -> Array:
+        """The dock in odom (3,): as known, however long ago it was seen, if the chair stands in it or on its way in or
+        out; else where it is if the chair stands docked."""
+        estimate, p = self._observer.estimate(chair.stamp), self._parameters
+        if estimate is not None and estimate.blind_distance <= p.max_blind_distance:
+            x, y, heading = relative(estimate.pose, chair.pose).tolist()
+            if x >= self._dock.predock_x - _LANE[0] and abs(y) <= _LANE[0] and abs(heading) <= _LANE[1]:
+                return estimate.pose
+        if self.contact or self.force:
+            return chair.pose
+        why = "no dock is known here" if estimate is None else "the dock is known elsewhere"
+        closed = "is not known" if self.contact is None else "is open"
+        raise GoalEnd(
+            ResultCode.NOT_DOCKED, f"{why}, and the contact {closed}: undock with `force` if it stands docked"
+        )
 
     def _try_again(self, chair: Instant, code: ResultCode, why: str) -> Command:
         if self.retries >= self._parameters.max_retries:

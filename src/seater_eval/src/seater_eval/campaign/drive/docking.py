@@ -68,6 +68,7 @@ class ImageDocking:
                 parameters.sequence,
                 require_contact=require_contact,
                 navigator=navigator,
+                plausibility=parameters.plausibility,
             )
             self.perception, self.gate = Perception(c), Gate(c.chair, c.safety)
             camera = tools.camera(c)

@@ -1,0 +1,30 @@
+"""Parameters of the plausibility checks (`plausibility:` in config/controller.yaml)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from seater_common.params import param
+
+
+@dataclass(frozen=True)
+class PlausibilityParameters:
+    """What must agree while the chair docks: commands, odometry, images, installation."""
+
+    blocked_time: float = param(
+        0.5, "s", "standing for so long though asked to drive ends the goal", low=0.1, high=10.0
+    )
+    blocked_speed: float = param(
+        0.08, "m/s", "speed that surely moves a chair that is free, beyond its deadband", low=0.01, high=1.0
+    )
+    blocked_turning: float = param(0.25, "rad/s", "the same for turning on the spot", low=0.02, high=2.0)
+    runaway_speed: float = param(
+        0.06, "m/s", "speed beyond what is asked for (plus 30 %) that is a runaway", low=0.01, high=1.0
+    )
+    runaway_turning: float = param(0.25, "rad/s", "the same for turning", low=0.02, high=2.0)
+    runaway_time: float = param(0.15, "s", "how long it has to last", low=0.0, high=2.0)
+    image_speed: float = param(
+        0.05, "m/s", "difference of the speeds by images and by odometry that is no contradiction", low=0.01, high=1.0
+    )
+    image_turning: float = param(0.15, "rad/s", "the same for turning", low=0.02, high=2.0)
+    image_share: float = param(0.4, "", "share of the larger one that is none either (tyres slip)", low=0.05, high=1.0)

@@ -1,0 +1,1 @@
+"""Whether commands, odometry, images and installation agree."""

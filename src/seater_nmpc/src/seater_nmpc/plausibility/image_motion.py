@@ -1,0 +1,132 @@
+"""Speeds by the images against those by the odometry.
+
+The middle of the dock's markers stands still. Where images show it drifting in odom at (u along the chair's direction,
+w across it), the odometry is wrong by domega = w / x and dv = u + domega y, where (x, y) is the middle of the markers
+seen from the chair: the chair's turning shows in the bearing, which even a flipped pose leaves right. A single wrong
+image decides nothing: the drift counts as the smallest that is left when any one of the images is taken away.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_common.se2 import relative, transform_points
+from seater_nmpc.observe.measurement import Measurement
+from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.parameters import PlausibilityParameters
+from seater_nmpc.plausibility.contradiction import Contradiction, Kind
+
+Array = NDArray[np.float64]
+Shown = Sequence[tuple[Instant, list[Measurement]]]
+
+_WINDOW = 0.4  # [s] of images
+_FEWEST, _LONGEST = 5, 1.2  # images; [s] that they may take, else the camera is too slow for this
+_NEAREST = 0.3  # [m] of the markers ahead: nearer, their bearing says little of turning
+_CERTAIN = 3.0  # standard deviations
+_ON_THE_LINE = 0.015  # [m] off the line that an image may be, beyond its own standard deviations: speeds change
+
+
+@dataclass(frozen=True)
+class ImageSpeeds:
+    """Means over the window."""
+
+    stamp: float  # of the newest image
+    odometry: tuple[float, float]  # v [m/s], omega [rad/s]
+    images: tuple[float, float]
+    sd: tuple[float, float]  # of the difference
+
+
+def speeds_by_images(shown: Shown, middle: Array) -> ImageSpeeds | None:
+    """`middle` (2,): of the dock's markers, in the dock's frame. None: too few images, or they do not agree."""
+    window = _window(shown)
+    if len(window) < _FEWEST or window[-1][0].stamp - window[0][0].stamp > _LONGEST:
+        return None
+    last = window[-1][0]
+    best = [max(offered, key=lambda measurement: measurement.weight) for _, offered in window]
+    times = np.array([instant.stamp for instant, _ in window])
+    places = np.array([transform_points(one.pose, middle[None, :])[0] for one in best])
+    sds = np.array([_sd(one, middle) for one in best])
+    x, y, _ = relative(last.pose, [*places[-1], 0.0]).tolist()
+    slopes = _slopes(times, places, sds)
+    if slopes is None or x < _NEAREST:
+        return None
+    c, s = math.cos(last.pose[2]), math.sin(last.pose[2])
+    u, w = slopes @ [c, s], slopes @ [-s, c]
+    domega = w / x
+    difference = _smallest(u + domega * y), _smallest(domega)
+    odometry = _by_odometry(window[0][0], last)
+    sd = float(sds.mean()) / math.sqrt(float(np.sum((times - times.mean()) ** 2)))
+    return ImageSpeeds(
+        stamp=last.stamp,
+        odometry=odometry,
+        images=(odometry[0] - difference[0], odometry[1] - difference[1]),
+        sd=(sd * math.hypot(1.0, y / x), sd / x),
+    )
+
+
+def contradiction(speeds: ImageSpeeds, parameters: PlausibilityParameters) -> Contradiction | None:
+    """Whether one of them moves much more than the other."""
+    p = parameters
+    v, omega = (max(abs(a), abs(b)) for a, b in zip(speeds.odometry, speeds.images, strict=True))
+    allowed = (
+        p.image_speed + p.image_share * v + _CERTAIN * speeds.sd[0],
+        # tyres that slip on one side by that share turn a chair of usual width by as much per metre
+        p.image_turning + p.image_share * (omega + 2.0 * v) + _CERTAIN * speeds.sd[1],
+    )
+    for axis, name, unit in ((0, "drives", "m/s"), (1, "turns", "rad/s")):
+        odometry, images = speeds.odometry[axis], speeds.images[axis]
+        if abs(odometry - images) <= allowed[axis]:
+            continue
+        text = f"the chair {name} at {odometry:.2f} {unit} by its odometry, at {images:.2f} {unit} by the images"
+        if abs(odometry) < abs(images):
+            return Contradiction(Kind.ODOMETRY_WRONG, f"{text} (odometry frozen, or an encoder failed?)")
+        return Contradiction(
+            Kind.WHEELS_SLIP, f"{text} (wheels spinning, something in the way, or images that do not change?)"
+        )
+    return None
+
+
+def _window(shown: Shown) -> Shown:
+    """The newest images: those of the last _WINDOW, more where these are too few."""
+    newest = shown[-1][0].stamp if shown else 0.0
+    recent = [entry for entry in shown if entry[0].stamp >= newest - _WINDOW - 1e-6]
+    return recent if len(recent) >= _FEWEST else list(shown)[-_FEWEST:]
+
+
+def _by_odometry(first: Instant, last: Instant) -> tuple[float, float]:
+    """Mean speeds between two instants, by its poses."""
+    x, y, turn = relative(first.pose, last.pose).tolist()
+    duration = last.stamp - first.stamp
+    return math.copysign(math.hypot(x, y), x) / duration, turn / duration
+
+
+def _sd(measurement: Measurement, middle: Array) -> float:
+    """Standard deviation of where a measurement shows the middle of the markers, the larger one [m]."""
+    heading = float(measurement.pose[2])
+    c, s = math.cos(heading), math.sin(heading)
+    J = np.array([[1.0, 0.0, -s * middle[0] - c * middle[1]], [0.0, 1.0, c * middle[0] - s * middle[1]]])
+    return math.sqrt(float(np.linalg.eigvalsh(J @ measurement.covariance @ J.T)[-1]))
+
+
+def _slopes(times: Array, places: Array, sds: Array) -> Array | None:
+    """Of the lines through all images but one, (n, 2) [m/s]; None where no line fits the others to any of them."""
+    slopes, fits = [], []
+    for left_out in range(len(times)):
+        kept = np.arange(len(times)) != left_out
+        t, there = times[kept] - times[kept].mean(), places[kept] - places[kept].mean(axis=0)
+        slope = t @ there / float(t @ t)
+        off = np.hypot(*(there - np.outer(t, slope)).T)
+        slopes.append(slope)
+        fits.append(bool(np.all(off <= _CERTAIN * sds[kept] + _ON_THE_LINE)))
+    return np.array(slopes) if any(fits) else None
+
+
+def _smallest(values: Array) -> float:
+    """The one nearest to zero; zero where their signs differ."""
+    low, high = float(values.min()), float(values.max())
+    return low if low > 0.0 else high if high < 0.0 else 0.0

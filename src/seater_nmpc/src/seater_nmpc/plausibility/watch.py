@@ -1,0 +1,59 @@
+"""All checks of one goal, cycle by cycle."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from seater_common.geometry import Chair, Dock
+from seater_nmpc.observe.observer import DockObserver
+from seater_nmpc.observe.prediction import CommandHistory
+from seater_nmpc.parameters import PlausibilityParameters
+from seater_nmpc.plausibility.contradiction import Contradiction, Kind
+from seater_nmpc.plausibility.image_motion import contradiction, speeds_by_images
+from seater_nmpc.plausibility.response import Response
+
+
+class Watch:
+    """Begin it with each goal; then tell it what each cycle asks for, and `check`."""
+
+    def __init__(
+        self,
+        chair: Chair,
+        dock: Dock,
+        observer: DockObserver,
+        history: CommandHistory,
+        parameters: PlausibilityParameters,
+    ) -> None:
+        self._observer, self._parameters = observer, parameters
+        self._response = Response(history, chair.limits, parameters)
+        self._middle = np.mean([marker.position[:2] for marker in dock.markers], axis=0)
+        self._begun, self._compared = 0.0, -np.inf  # [s] begin of the goal; newest image that was compared
+
+    def begin(self, now: float) -> None:
+        """A goal begins at message time `now` [s]."""
+        self._begun = now
+        self._response.restart(now)
+
+    def asked(self, stamp: float, v: float, omega: float) -> None:
+        """What the cycle sends."""
+        self._response.asked(stamp, v, omega)
+
+    def check(self, now: float) -> Contradiction | None:
+        """At message time `now` [s]."""
+        return self._motion_in_images() or self._response.check(now, self._observer.odometry) or self._place()
+
+    def _motion_in_images(self) -> Contradiction | None:
+        shown = [entry for entry in self._observer.shown if entry[0].stamp >= self._begun]
+        if not shown or shown[-1][0].stamp <= self._compared:
+            return None
+        self._compared = shown[-1][0].stamp
+        speeds = speeds_by_images(shown, self._middle)
+        return contradiction(speeds, self._parameters) if speeds is not None else None
+
+    def _place(self) -> Contradiction | None:
+        elsewhere = self._observer.elsewhere
+        if elsewhere is None:
+            return None
+        way, turn = elsewhere
+        text = f"images agree on a dock {1e3 * way:.0f} mm and {np.degrees(abs(turn)):.1f} deg from where it was"
+        return Contradiction(Kind.INCONSISTENT, f"{text} (was the dock moved, or do the images show another one?)")

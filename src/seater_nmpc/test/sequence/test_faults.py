@@ -1,0 +1,258 @@
+"""Faults on the way, one by one: noticed in time, the goal ends at once with its own code, the chair does not go on."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import T_ODOM_DOCK, World
+
+from seater_common.geometry import pose_matrix
+from seater_common.se2 import arc_step, compose, inverse
+from seater_nmpc.sequence.results import Phase, Result, ResultCode
+
+NOTICED = 0.5  # [s]
+
+
+class Fault:
+    """Begins with `begin`; each of its methods is a hook of the world."""
+
+    def __init__(self, world: World) -> None:
+        self.world, self.since = world, math.inf
+        self.speeds = self.odometry = self.images = self.truth = self.wheels = None
+
+    def begin(self) -> None:
+        for _ in range(3):  # the last image without it
+            self.world.tick()
+        self.since, self.speeds = self.world.now, (self.world.v, self.world.omega)
+        self.truth = self.wheels = compose(T_ODOM_DOCK, self.world.truth)
+
+    @property
+    def acts(self) -> bool:
+        return self.world.now > self.since
+
+    def runs_away(self, world, v, omega):
+        if self.acts:
+            world.v, world.omega = self.speeds
+        return (world.v, world.omega) if self.acts else (v, omega)
+
+    def turned_round(self, world, v, omega):
+        if self.acts:
+            world.v, world.omega = -v, -omega
+        return (-v, -omega) if self.acts else (v, omega)
+
+    def stands(self, world, v, omega):
+        return (0.0, 0.0) if self.acts else (v, omega)
+
+    def does_not_measure(self, world, odometry):
+        if not self.acts:
+            self.odometry = odometry
+        return replace(self.odometry, stamp=odometry.stamp)
+
+    def wheels_turn(self, world, odometry):
+        if not self.acts:
+            return odometry
+        self.wheels = arc_step(self.wheels, world.v, world.omega, 0.01)
+        return replace(odometry, pose=self.wheels)
+
+    def wheels_stand(self, world, odometry):
+        return replace(odometry, v=0.0, omega=0.0) if self.acts else odometry
+
+    def same_image(self, world, found):
+        self.images = self.images if self.acts else found
+        return self.images
+
+
+def driving(make_world, start=(-2.5, 0.1, 0.0), until=-2.0, **settings) -> tuple[World, Fault]:
+    """A chair on its way past x = `until`."""
+    world = make_world(start, **settings)
+    world.tick()
+    world.sequence.start_dock(world.now)
+    world.run(20.0, until=lambda step: world.truth[0] > until)
+    return world, Fault(world)
+
+
+def ends(world: World, code: ResultCode, within: float = NOTICED) -> Result:
+    """The goal ends so in time, with zero, and says why."""
+    began, step = world.now, world.run(10.0)
+    assert step.result is not None and step.result.code is code, step.result
+    assert world.now - began <= within + 0.051  # a cycle
+    assert (step.command.v, step.command.omega) == (0.0, 0.0)
+    return step.result
+
+
+def test_frozen_odometry(make_world) -> None:
+    world, fault = driving(make_world)
+    world.measures = fault.does_not_measure
+    fault.begin()
+    assert "odometry frozen" in ends(world, ResultCode.ODOMETRY_WRONG).text
+
+
+def test_wheels_that_spin_on_the_spot(make_world) -> None:
+    world, fault = driving(make_world)
+    world.moves, world.measures = fault.stands, fault.wheels_turn
+    fault.begin()
+    assert "wheels spinning" in ends(world, ResultCode.WHEELS_SLIP).text
+
+
+@pytest.mark.parametrize("start", [(-2.5, 0.1, 0.0), (-1.2, 0.0, 0.0)])
+def test_frozen_images_are_no_measurements(make_world, start) -> None:
+    """The chair stops within the blind distance and says that the images do not change."""
+    world, fault = driving(make_world, start, start[0] + 0.5)
+    world.shows, before = fault.same_image, world.truth[0]
+    fault.begin()
+    result = ends(world, ResultCode.MARKER_LOST, 10.0)
+    assert "show exactly the same though the wheels have turned" in result.text
+    assert world.truth[0] - before < 0.3 + 0.005 + 0.5 * world.v**2 / 0.5 + 0.06  # blind distance, and a few cycles
+
+
+def test_the_same_image_again_and_again_is_right_for_a_chair_that_stands(make_world) -> None:
+    world = make_world((-2.5, 0.0, 0.0))
+    fault = Fault(world)
+    world.shows, world.obeys = fault.same_image, False
+    world.tick()
+    world.sequence.start_dock(world.now)
+    world.run(0.2)
+    fault.begin()
+    world.run(0.5)
+    assert world.sequence.observer.estimate().age < 0.1
+
+
+def test_runaway(make_world) -> None:
+    """Asked to slow down for the bay, it does not."""
+    world, fault = driving(make_world, (-2.0, 0.0, 0.0), -1.3)
+    world.moves = fault.runs_away
+    fault.begin()
+    result = ends(world, ResultCode.RUNAWAY, 2.5)
+    assert "is asked for" in result.text and world.truth[0] < -0.4
+
+
+def test_a_chair_that_moves_though_zero_is_asked(make_world) -> None:
+    world = make_world((-2.0, 0.0, 0.0), seen=lambda w: False)
+    world.tick()
+    world.sequence.start_dock(world.now)
+    world.run(1.0)
+    world.obeys, world.v = False, 0.1
+    ends(world, ResultCode.RUNAWAY)
+
+
+@pytest.mark.parametrize("speeds", [(0.5, 0.0), (-0.3, 0.4)])
+def test_a_chair_that_is_still_rolling_when_the_goal_comes_is_none(make_world, speeds) -> None:
+    """It slows down as its limits say, late by what motors take."""
+    world = make_world((-2.0, 0.0, 0.0), seen=lambda w: False)
+    world.obeys, (world.v, world.omega) = False, speeds
+    for _ in range(20):
+        world.tick()
+    world.sequence.start_dock(world.now)
+    for k in range(60):
+        if k > 6:
+            world.v -= math.copysign(min(abs(world.v), 0.5 * 0.05), world.v)
+            world.omega -= math.copysign(min(abs(world.omega), 0.05), world.omega)
+        assert not world.run(0.05).done
+
+
+def test_motors_the_wrong_way_round(make_world) -> None:
+    world, fault = driving(make_world, (-2.5, 0.3, 0.0), -2.49)
+    world.moves = fault.turned_round
+    fault.begin()
+    result = ends(world, ResultCode.WRONG_DIRECTION, 1.0)
+    assert "wrong way" in result.text and world.truth[0] > -2.8
+
+
+@pytest.mark.parametrize("phase", [Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.UNDOCKING])
+def test_blocked_in_every_phase(make_world, phase) -> None:
+    """Standing though it is asked to drive: half a second, and no other attempt."""
+    if phase is Phase.UNDOCKING:
+        world = make_world((0.0, 0.0, 0.0))
+        world.tick()
+        world.sequence.start_undock(world.now, force=True)
+    else:
+        world, _ = driving(make_world, (-2.5, 0.9, 0.0) if phase is Phase.APPROACH else (-2.0, 0.0, 0.0), -9.0)
+    world.run(20.0, until=lambda step: step.phase in (phase, Phase.FINAL) and abs(step.command.v) > 0.2)
+    if phase is Phase.RETRY:
+        world.truth = compose(world.truth, [0.0, 0.11, 0.0])  # pushed aside at the bay
+    fault = Fault(world)
+    world.moves, world.measures = fault.stands, fault.wheels_stand
+    fault.begin()
+    result = ends(world, ResultCode.BLOCKED, NOTICED + 0.06)
+    assert result.retries == 0 and "in the way" in result.text
+
+
+def shifted(way: tuple[float, float, float]):
+    T = pose_matrix(np.array(way))
+    return lambda world, found: [replace(seen, T_optical_dock=seen.T_optical_dock @ T) for seen in found]
+
+
+@pytest.mark.parametrize("way", [(0.0, 0.3, 0.0), (0.4, 0.0, 0.0), (0.0, -0.2, 0.0)])
+def test_a_dock_that_images_agree_to_show_elsewhere(make_world, way) -> None:
+    """It never replaces the one that the chair drives to: stop, wait, INCONSISTENT."""
+    world, _ = driving(make_world)
+    known = world.sequence.observer.estimate().pose
+    world.shows, before = shifted(way), world.truth.copy()
+    steps = []
+    step = world.run(15.0, until=lambda step: steps.append(world.sequence.observer.estimate().pose) is not None)
+    assert step.result is not None and step.result.code is ResultCode.INCONSISTENT, step.result
+    assert "from where it was" in step.result.text
+    assert np.abs(np.array(steps) - known)[:, :2].max() < 0.03 and math.dist(world.truth[:2], before[:2]) < 0.6
+
+
+def test_a_small_shift_is_taken_up_standing(make_world) -> None:
+    """As after a wheel has slipped: within the bound the chair goes on, once it has stood."""
+    world, _ = driving(make_world)
+    world.shows, speeds = shifted((0.0, 0.1, 0.0)), []
+    world.run(15.0, until=lambda step: world.sequence.observer.counts[13 - 11] > 0)  # REACQUIRED
+    speeds.append(world.v)
+    assert abs(world.v) < 0.05 and world.run(1.0).result is None
+
+
+def test_uncertain_images_do_not_count_as_seen(make_world) -> None:
+    world, _ = driving(make_world)
+    world.shows = lambda w, found: [replace(seen, covariance=1e6 * np.eye(6)) for seen in found]
+    before = world.truth[0]
+    result = ends(world, ResultCode.MARKER_LOST, 10.0)
+    assert "too uncertain" in result.text and world.truth[0] - before < 0.7
+
+
+def test_undock_needs_a_dock(make_world) -> None:
+    world = make_world((-1.0, 0.2, 20.0), seen=lambda w: False)
+    world.tick()
+    world.sequence.start_undock(world.now)
+    result = ends(world, ResultCode.NOT_DOCKED)
+    assert "force" in result.text and world.truth[0] == -1.0
+
+
+def test_undock_by_the_contact(make_world) -> None:
+    world = make_world((0.0, 0.0, 0.0), seen=lambda w: False, contact=lambda w: w.truth[0] > -0.02)
+    world.tick()
+    world.sequence.start_undock(world.now)
+    assert world.run(30.0).result.success
+    assert world.truth == pytest.approx([world.dock.predock_x, 0.0, 0.0], abs=0.1)
+
+
+def test_undock_long_after_docking_that_nothing_has_moved_since(make_world) -> None:
+    """The dock is known though it was seen long ago, and undocking goes by it, not by where the chair stands."""
+    world = make_world((0.002, 0.05, 3.0), seen=lambda w: w.now < 11.0)
+    for _ in range(1000):
+        world.tick()
+    world.sequence.start_undock(world.now)
+    assert world.run(30.0).result.success
+    assert world.truth[1] == pytest.approx(0.0, abs=0.03)
+
+
+def test_a_known_dock_far_away_is_none_to_leave(make_world) -> None:
+    world = make_world((-3.0, 0.0, 0.0))
+    for _ in range(100):
+        world.tick()
+    world.sequence.start_undock(world.now)
+    assert "known elsewhere" in ends(world, ResultCode.NOT_DOCKED).text
+
+
+def test_inverse_of_the_hooks(make_world) -> None:
+    """The world with a fault that never begins is the world without."""
+    world, fault = driving(make_world)
+    world.moves, world.measures, world.shows = fault.stands, fault.wheels_turn, fault.same_image
+    step = world.run(40.0)
+    assert step.result is not None and step.result.success
+    assert compose(inverse(T_ODOM_DOCK), compose(T_ODOM_DOCK, world.truth)) == pytest.approx(world.truth)
