@@ -133,7 +133,7 @@ def fake_run(**values: object) -> dict:
     numbers = (
         "position_error_m heading_error_deg smallest_gap_m reversals turn_changes time_s peak_acceleration_m_s2"
         " rms_acceleration_m_s2 peak_jerk_m_s3 rms_jerk_m_s3 peak_turning_acceleration_rad_s2 peak_turning_jerk_rad_s3"
-        " estimate_error_m estimate_error_deg nees_mean"
+        " estimate_error_m estimate_error_deg nees_mean noticed_s moved_after_fault_m"
     )
     return {
         **dict.fromkeys(numbers.split(), 1.0),

@@ -41,10 +41,11 @@ class ImageSpeeds:
     sd: tuple[float, float]  # of the difference
 
 
-def speeds_by_images(shown: Shown, middle: Array) -> ImageSpeeds | None:
-    """`middle` (2,): of the dock's markers, in the dock's frame. None: too few images, or they do not agree."""
-    window = _window(shown)
-    if len(window) < _FEWEST or window[-1][0].stamp - window[0][0].stamp > _LONGEST:
+def speeds_by_images(shown: Shown, middle: Array, fewest: int = _FEWEST) -> ImageSpeeds | None:
+    """`middle` (2,): of the dock's markers, in the dock's frame. None: fewer than `fewest` images, too slow a camera,
+    or images that do not agree."""
+    window = _window(shown, fewest)
+    if len(window) < fewest or window[-1][0].stamp - window[0][0].stamp > _LONGEST:
         return None
     last = window[-1][0]
     best = [max(offered, key=lambda measurement: measurement.weight) for _, offered in window]
@@ -91,11 +92,11 @@ def contradiction(speeds: ImageSpeeds, parameters: PlausibilityParameters) -> Co
     return None
 
 
-def _window(shown: Shown) -> Shown:
+def _window(shown: Shown, fewest: int) -> Shown:
     """The newest images: those of the last _WINDOW, more where these are too few."""
     newest = shown[-1][0].stamp if shown else 0.0
     recent = [entry for entry in shown if entry[0].stamp >= newest - _WINDOW - 1e-6]
-    return recent if len(recent) >= _FEWEST else list(shown)[-_FEWEST:]
+    return recent if len(recent) >= fewest else list(shown)[-fewest:]
 
 
 def _by_odometry(first: Instant, last: Instant) -> tuple[float, float]:

@@ -18,13 +18,14 @@ from seater_nmpc.plausibility.contradiction import Contradiction, Kind
 
 Speeds = tuple[float, float]  # v [m/s], omega [rad/s]
 
-RESPONSE = 0.3  # [s] beyond the believed delay and lag, after which a command surely acts
+RESPONSE = 0.25  # [s] beyond the believed delay and lag, after which a command surely acts
 _GAIN = 1.3  # speed over command up to which it is no runaway
 _SLOWS_DOWN = 0.5  # times the limits of acceleration
 _MEAN = 0.15  # [s] over which speeds are taken
 _MEMORY = 5.0  # [s]
 _STANDS = (0.004, 0.04)  # [m, rad] farthest that a blocked chair is moved meanwhile (a gyro's bias turns its odom)
-_AGAINST = ((0.03, 0.04), (0.15, 0.15))  # [m/s, rad/s] per axis: asked for at least, driven the other way at least
+_AGAINST = ((0.03, 0.04), (0.2, 0.08))  # [m/s, rad/s] per axis: asked for at least, driven the other way at least
+_DISOBEYS = 0.6  # times its speed: a chair that is asked for less than this all the while should slow down
 _BRAKES = ((0.25, 0.02), (0.25, 0.05))  # [s, m/s or rad/s] per axis: a chair that slows down by this obeys
 
 
@@ -92,7 +93,9 @@ class Response:
             gain = max(_GAIN, _GAIN * (drive.v, drive.omega)[axis].gain)
             wanted = gain * max(asked, default=0.0)
             self._bounds[axis] = max(wanted, self._bounds[axis] - self._rates[axis] * (now - self._last))
-            beyond = abs(speeds[axis]) > self._bounds[axis] + turning + excess[axis]
+            size = abs(speeds[axis]) - turning - excess[axis]
+            disobeys = max(asked, default=0.0) < _DISOBEYS * abs(speeds[axis]) and not self._braking(now, axis)
+            beyond = size > self._bounds[axis] or (size > _DISOBEYS * excess[axis] and disobeys)
             if self._lasts(now, axis, beyond, p.runaway_time):
                 text = f"{name} at {speeds[axis]:.2f} {unit} though at most {max(asked, default=0.0):.2f} is asked for"
                 return Contradiction(Kind.RUNAWAY, f"{text} (motor controller, brake, or somebody pushes?)")

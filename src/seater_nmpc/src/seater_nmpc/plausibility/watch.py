@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from seater_common.geometry import Chair, Dock
@@ -9,7 +11,7 @@ from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.prediction import CommandHistory
 from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Contradiction, Kind
-from seater_nmpc.plausibility.image_motion import contradiction, speeds_by_images
+from seater_nmpc.plausibility.image_motion import Shown, contradiction, speeds_by_images
 from seater_nmpc.plausibility.response import Response
 
 
@@ -40,15 +42,28 @@ class Watch:
 
     def check(self, now: float) -> Contradiction | None:
         """At message time `now` [s]."""
-        return self._motion_in_images() or self._response.check(now, self._observer.odometry) or self._place()
+        found = self._motion_in_images() or self._response.check(now, self._observer.odometry)
+        if found is not None and found.kind is Kind.BLOCKED:
+            found = self._odometry_stands(now) or found
+        return found or self._place()
+
+    def _shown(self) -> Shown:
+        return [entry for entry in self._observer.shown if entry[0].stamp >= self._begun]
 
     def _motion_in_images(self) -> Contradiction | None:
-        shown = [entry for entry in self._observer.shown if entry[0].stamp >= self._begun]
+        shown = self._shown()
         if not shown or shown[-1][0].stamp <= self._compared:
             return None
         self._compared = shown[-1][0].stamp
         speeds = speeds_by_images(shown, self._middle)
         return contradiction(speeds, self._parameters) if speeds is not None else None
+
+    def _odometry_stands(self, now: float) -> Contradiction | None:
+        """Whether a chair that stands by its odometry moves by the few images of this time."""
+        recent = [entry for entry in self._shown() if entry[0].stamp >= now - self._parameters.blocked_time]
+        speeds = speeds_by_images(recent, self._middle, fewest=3)
+        strict = replace(self._parameters, image_share=0.0)  # tyres that stand do not slip
+        return contradiction(speeds, strict) if speeds is not None else None
 
     def _place(self) -> Contradiction | None:
         elsewhere = self._observer.elsewhere

@@ -33,6 +33,8 @@ from seater_nmpc.plausibility.watch import Watch
 from seater_nmpc.sequence.phases import STANDING, GoalEnd, Phases
 from seater_nmpc.sequence.results import Phase, Result, ResultCode, Step
 
+_UNSEEN = 1.0  # [s] without a used image, from which on a text says why
+
 
 class DockingSequence:
     """Docks and undocks. Feed it odometry and detections as they come; call `update` once per control cycle."""
@@ -160,8 +162,10 @@ class DockingSequence:
         return self.observer.odometry.at(now)
 
     def _with_reason(self, text: str) -> str:
-        """The text, and why there is no way into the bay, if that is so."""
-        reason = self._phases.no_way
+        """The text, and why there is no way into the bay or no image is used, if that is so."""
+        estimate = self.observer.estimate()
+        unseen = estimate is not None and estimate.age > _UNSEEN
+        reason = self._phases.no_way or (self.observer.why_unseen if unseen else "")
         return f"{text}: {reason}" if reason else text
 
     def _step(self, now: float, command: Command, result: Result | None = None) -> Step:

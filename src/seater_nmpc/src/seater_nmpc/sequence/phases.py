@@ -371,7 +371,8 @@ class Phases:
             return Command(v=v, omega=0.0)
         if verdict is Verdict.OUTSIDE:
             return self._try_again(chair, ResultCode.NOT_WITHIN_TOLERANCE, verdict.value)
-        raise GoalEnd(_VERDICTS[verdict], verdict.value)
+        why = f": {self._observer.why_unseen}" if verdict is Verdict.UNSEEN else ""
+        raise GoalEnd(_VERDICTS[verdict], verdict.value + why)
 
     def _retry(self, chair: Instant) -> Command:
         error, p = self._look(chair), self._parameters

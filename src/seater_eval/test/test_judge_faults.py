@@ -1,0 +1,53 @@
+"""Faults injected into the independent chair: what the judge does, and what the sequence makes of it."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from seater_eval.judge.cases import rows
+from seater_eval.judge.plant.faults import Fault, parse
+from seater_eval.judge.run import Job, run
+
+CONFIG = Path(__file__).resolve().parents[3] / "config"
+
+
+def faulty(text: str, name: str = "issue", seed: int = 5):
+    """A run with this fault."""
+    return run(Job(str(CONFIG), dataclasses.replace(rows()[name][0], fault=parse(text)), seed))
+
+
+def test_a_fault_is_told_in_words() -> None:
+    assert parse("shifted:0.2@-0.4") == Fault("shifted", 0.2, -0.4)
+    assert parse("stuck") == Fault("stuck", 0.3, -1.0)
+    with pytest.raises(ValueError, match="frozen_images, frozen_odometry"):
+        parse("unheard_of@-1")
+    for text in ("stuck:many", "stuck@nan"):
+        with pytest.raises(ValueError, match="stuck"):
+            parse(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "noticed", "way"),
+    [
+        ("frozen_odometry@-0.4", "ODOMETRY_WRONG", 0.65, 0.2),
+        ("spinning@-0.4", "WHEELS_SLIP", 0.7, 0.001),
+        ("stuck@-1.0", "BLOCKED", 0.6, 0.001),
+        ("runaway@-0.4", "RUNAWAY", 4.0, 0.55),
+        ("shifted:0.3@-0.4", "INCONSISTENT", 4.0, 0.4),
+    ],
+)
+def test_each_is_noticed_in_time_and_named(text: str, code: str, noticed: float, way: float) -> None:
+    values, log = faulty(text)
+    assert values["code"] == code and not values["touched"]
+    assert np.abs(log.motion.speeds[-1]).max() < 0.01  # it coasts with the lag of its motors
+    assert values["noticed_s"] <= noticed and values["moved_after_fault_m"] <= way
+    assert np.all(log.commands[-10:, 1:] == 0.0)
+
+
+def test_without_a_fault_nothing_is_noticed() -> None:
+    values, _ = run(Job(str(CONFIG), rows()["kinematic"][0], 3))
+    assert values["noticed_s"] is None and values["moved_after_fault_m"] is None
