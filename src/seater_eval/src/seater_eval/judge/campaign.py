@@ -18,6 +18,7 @@ from seater_eval.run.long_run import run_long
 from seater_eval.run.parallel import job_seed
 
 _UNMOVED = 0.001  # [m]
+_FAR = (0.020, 2.0)  # [m, deg] a success that is farther off than this misleads
 _SPREADS = (
     "position_error_m",
     "heading_error_deg",
@@ -76,12 +77,17 @@ def summarize(runs: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "docked": sum(run["docked"] for run in runs),
         "touched": sum(run["touched"] for run in runs),
         "falsely_successful": sum(run["code"] in ("SUCCESS", "ALREADY_DOCKED") and not run["docked"] for run in runs),
+        "falsely_far": sum(_far_off(run) for run in runs if run["code"] in ("SUCCESS", "ALREADY_DOCKED")),
         "moving_at_the_end": sum(not run["stands"] for run in runs),
         "refused": sum(run["moved_m"] < _UNMOVED and not run["docked"] for run in runs),
         "failures": dict(Counter(_cause(run) for run in runs if not run["docked"]).most_common()),
         "codes": dict(codes.most_common()),
         **{name: spread(None if run[name] is None else abs(run[name]) for run in runs) for name in _SPREADS},
     }
+
+
+def _far_off(run: dict[str, Any]) -> bool:
+    return bool(run["position_error_m"] > _FAR[0] or abs(run["heading_error_deg"]) > _FAR[1])
 
 
 def _cause(run: dict[str, Any]) -> str:
@@ -96,6 +102,7 @@ def describe(data: dict[str, Any]) -> str:
         "docked",
         "refused",
         "touched",
+        "far",
         "error [mm]",
         "[deg]",
         "reversals",
@@ -115,6 +122,7 @@ def describe(data: dict[str, Any]) -> str:
                 f"{s['docked']} of {s['runs']}",
                 str(s["refused"]),
                 str(s["touched"]),
+                str(s["falsely_far"]),
                 _pair(s["position_error_m"], 1e3, 1),
                 _pair(s["heading_error_deg"], 1.0, 2),
                 _pair(s["reversals"], 1.0, 0),
@@ -133,8 +141,8 @@ def describe(data: dict[str, Any]) -> str:
         for cause, count in row["summary"]["failures"].items()
     ]
     note = "refused: not docked, never moved; noticed, way after: since the fault began, until the result and in all"
-    note += "\npeak jerk [m/s^3] of the true speed low-passed at 5 Hz"
-    return f"{told}\n{text_table(head, rows, 'lrrrrrrrrrrrl')}\n{note}\n\n" + "\n".join(failures)
+    note += "\nfar: success said, but beyond 20 mm or 2 deg; peak jerk [m/s^3] of the true speed low-passed at 5 Hz"
+    return f"{told}\n{text_table(head, rows, 'lrrrrrrrrrrrrl')}\n{note}\n\n" + "\n".join(failures)
 
 
 def _pair(values: dict[str, float | None], factor: float, digits: int) -> str:

@@ -12,6 +12,7 @@ from seater_common.geometry import Chair, Dock
 from seater_eval.judge.plant.camera import DockCamera
 from seater_eval.judge.plant.effects import Effects, changed, kinematic
 from seater_eval.judge.plant.faults import Fault
+from seater_eval.judge.plant.installation import Installation
 from seater_eval.judge.verdict import smallest_gap
 
 Start = tuple[float, float, float]
@@ -32,6 +33,7 @@ class Row:
     starts: str = "front"
     markers: int = 0  # so many of the dock's markers, the first ones; 0: all
     fault: Fault | None = None
+    installation: Installation | None = None
 
 
 def _effect(group: str, **values: object) -> Callable[[float], Effects]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from seater_common.se2 import compose, inverse, wrap_angle
 from seater_eval.judge.parts import Files, Kept
 from seater_eval.judge.plant.chair import IndependentChair
-from seater_nmpc.observe.measurement import Hypothesis
+from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import NmpcParameters
@@ -35,8 +35,8 @@ class Driver(Protocol):
     def odometry(self, message: Odometry, chair: IndependentChair) -> Asked:
         """A message has arrived; `chair` is for a driver with perfect state, and for the estimate's true error."""
 
-    def image(self, stamp: float, hypotheses: list[Hypothesis]) -> None:
-        """The poses of an image taken at `stamp` have arrived."""
+    def image(self, stamp: float, hypotheses: list[Hypothesis], markers: list[MarkerSight]) -> None:
+        """The poses of the dock in an image taken at `stamp`, and its single markers, have arrived."""
 
     def time(self, now: float, chair: IndependentChair) -> Asked:
         """Another step of time."""
@@ -85,9 +85,9 @@ class SequenceDriver:
         self.result = step.result
         return step.command.v, step.command.omega
 
-    def image(self, stamp: float, hypotheses: list[Hypothesis]) -> None:
+    def image(self, stamp: float, hypotheses: list[Hypothesis], markers: list[MarkerSight]) -> None:
         """See Driver."""
-        self._sequence.add_detections(stamp, hypotheses)
+        self._sequence.add_detections(stamp, hypotheses, markers)
 
     def time(self, now: float, chair: IndependentChair) -> Asked:
         """See Driver."""
@@ -123,7 +123,7 @@ class ClassDriver:
         """See Driver."""
         return None
 
-    def image(self, stamp: float, hypotheses: list[Hypothesis]) -> None:
+    def image(self, stamp: float, hypotheses: list[Hypothesis], markers: list[MarkerSight]) -> None:
         """See Driver."""
 
     def time(self, now: float, chair: IndependentChair) -> Asked:

@@ -85,6 +85,9 @@ def run(job: Job) -> tuple[dict[str, Any], Log]:
         **_estimate_values(log.estimates),
         "outcomes": loop.outcomes(),
         **loop.after_fault(),
+        "position_sd_m": 0.0 if result is None else result.position_sd,
+        "heading_sd_deg": 0.0 if result is None else math.degrees(result.heading_sd),
+        "installation": None if loop.installation is None else dataclasses.asdict(loop.installation),
         "wall_s": round(time.perf_counter() - begun, 2),
     }
     return values, log
@@ -98,8 +101,10 @@ class _Loop:
         files = load_files(job.config, job.row.markers)
         self._files = files
         streams = [np.random.default_rng([job.seed, stream]) for stream in range(6)]
-        camera = DockCamera(files.chair, files.dock, effects.pictures, streams[0])
-        self._camera = camera
+        wrong = job.row.installation
+        self.installation = None if wrong is None else wrong.drawn(np.random.default_rng([job.seed, 6]))
+        camera = DockCamera(files.chair, files.dock, effects.pictures, streams[0], self.installation)
+        self._camera, self._marker_noise = camera, np.random.default_rng([job.seed, 7])
         self.start = draw_start(job.row.starts, files.chair, files.dock, camera, streams[1])
         self.built = draw_built(effects, streams[2])
         self._chair = IndependentChair(effects, self.built, self.start, streams[3])
@@ -107,7 +112,7 @@ class _Loop:
         self._odometry = WheelOdometry(effects.encoders, _BEGIN, _ORIGIN, streams[4])
         self.driver = self._make_driver(streams[5])
         self._image = _BEGIN + streams[5].uniform(0.0, 1.0 / effects.pictures.rate)
-        self._images: list[tuple[float, Any]] = []
+        self._images: list[tuple[float, Any, Any]] = []
         self._rows: list[list[float]] = []
         self._commands: list[list[float]] = []
         self._ended = math.inf
@@ -158,8 +163,10 @@ class _Loop:
         chair, pictures = self._chair, self._job.row.effects.pictures
         if self._job.driver == "sequence" and now >= self._image:
             self._image += 1.0 / pictures.rate
-            seen = self._camera.look((chair.x, chair.y, chair.heading))
-            self._images.append((now, self._injector.image(seen)))
+            pose = (chair.x, chair.y, chair.heading)
+            self._images.append(
+                (now, self._injector.image(self._camera.look(pose)), self._camera.sights(pose, self._marker_noise))
+            )
         while self._images and self._images[0][0] + pictures.latency <= now + 1e-9:
             self.driver.image(*self._images.pop(0))
         self._odometry.look(now, chair.rolled)

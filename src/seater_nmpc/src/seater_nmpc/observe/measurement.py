@@ -24,6 +24,19 @@ class Hypothesis:
 
 
 @dataclass(frozen=True)
+class MarkerSight:
+    """One marker in one image (seater_msgs/MarkerDetection)."""
+
+    number: int  # its id
+    T_optical_marker: Array  # 4x4
+
+    @property
+    def finite(self) -> bool:
+        """Whether its pose is."""
+        return bool(np.all(np.isfinite(self.T_optical_marker)))
+
+
+@dataclass(frozen=True)
 class Measurement:
     """The dock in some planar frame: (x, y, heading) and its covariance (3, 3)."""
 

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from seater_common.geometry import Chair, Dock
+from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.prediction import CommandHistory
 from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Contradiction, Kind
 from seater_nmpc.plausibility.image_motion import Shown, contradiction, speeds_by_images
+from seater_nmpc.plausibility.installation import NAMES, Installation
+from seater_nmpc.plausibility.markers import Markers
 from seater_nmpc.plausibility.response import Response
+
+Array = NDArray[np.float64]
 
 
 class Watch:
@@ -29,12 +37,20 @@ class Watch:
         self._observer, self._parameters = observer, parameters
         self._response = Response(history, chair.limits, parameters)
         self._middle = np.mean([marker.position[:2] for marker in dock.markers], axis=0)
+        self._markers = Markers(chair.camera, dock, parameters)
+        self._installation = Installation(chair.camera, dock, observer.parameters)
         self._begun, self._compared = 0.0, -np.inf  # [s] begin of the goal; newest image that was compared
 
     def begin(self, now: float) -> None:
         """A goal begins at message time `now` [s]."""
         self._begun = now
         self._response.restart(now)
+        self._markers.restart()
+        self._installation.restart()
+
+    def see(self, hypotheses: Sequence[Hypothesis], sights: Sequence[MarkerSight]) -> None:
+        """What an image shows: poses of the dock, and single markers where they are known."""
+        self._markers.add(hypotheses, sights)
 
     def asked(self, stamp: float, v: float, omega: float) -> None:
         """What the cycle sends."""
@@ -45,7 +61,27 @@ class Watch:
         found = self._motion_in_images() or self._response.check(now, self._observer.odometry)
         if found is not None and found.kind is Kind.BLOCKED:
             found = self._odometry_stands(now) or found
-        return found or self._place()
+        return found or self._place() or self._markers.check()
+
+    def final(self) -> Contradiction | None:
+        """Of a chair that stands docked by its images: whether the installation is surely so wrong that it does not."""
+        error, p = self._installation.error(), self._parameters
+        if error is None:
+            return None
+        limits = np.array([p.final_position, p.final_position, p.final_heading])
+        sds = np.sqrt(np.diag(error.final_noise)) + 1e-9
+        if not np.any((np.abs(error.final) > limits) & (np.abs(error.final) > p.final_certainty * sds)):
+            return None
+        x, y, heading = error.final.tolist()
+        off = f"{1e3 * math.hypot(x, y):.0f} mm and {math.degrees(abs(heading)):.1f} deg"
+        text = f"images and odometry fit together only if the chair is {off} off: check {NAMES[error.suspect]}"
+        return Contradiction(Kind.INCONSISTENT, f"{text} (chair.yaml, camera_info, the dock's file)")
+
+    @property
+    def final_error(self) -> Array:
+        """(3,) by which the docked chair seems to be off because of the installation: x, y [m], heading [rad]."""
+        error = self._installation.error()
+        return np.zeros(3) if error is None else error.final
 
     def _shown(self) -> Shown:
         return [entry for entry in self._observer.shown if entry[0].stamp >= self._begun]
@@ -54,6 +90,10 @@ class Watch:
         shown = self._shown()
         if not shown or shown[-1][0].stamp <= self._compared:
             return None
+        known = self._observer.estimate()
+        for chair, offered in shown if known is not None else []:
+            if known is not None and chair.stamp > self._compared:
+                self._installation.add(chair, offered, known.pose)
         self._compared = shown[-1][0].stamp
         speeds = speeds_by_images(shown, self._middle)
         return contradiction(speeds, self._parameters) if speeds is not None else None

@@ -31,7 +31,7 @@ from seater_msgs.msg import (
 )
 from seater_nmpc.control.command import Command
 from seater_nmpc.observe.innovation import Fusion
-from seater_nmpc.observe.measurement import Hypothesis
+from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.observer import DockEstimate
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.sequence.results import Result, Step
@@ -80,6 +80,11 @@ def hypotheses(message: MarkerDetectionArray) -> list[Hypothesis]:
         Hypothesis(matrix(seen.pose.pose), np.reshape(np.array(seen.pose.covariance, dtype=float), (6, 6)), seen.weight)
         for seen in message.dock
     ]
+
+
+def marker_sights(message: MarkerDetectionArray) -> list[MarkerSight]:
+    """The single markers of one image."""
+    return [MarkerSight(seen.id, matrix(seen.pose.pose)) for seen in message.markers]
 
 
 def twist(v: float, omega: float) -> Twist:
@@ -188,6 +193,8 @@ def dock_result(result: Result) -> DockResult:
         longitudinal_error=result.longitudinal_error,
         lateral_error=result.lateral_error,
         heading_error=result.heading_error,
+        position_sd=result.position_sd,
+        heading_sd=result.heading_sd,
     )
 
 

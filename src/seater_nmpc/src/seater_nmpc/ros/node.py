@@ -158,7 +158,8 @@ class DockingNode:
 
     def _on_detections(self, message: MarkerDetectionArray) -> None:
         stamp = message.header.stamp
-        fusion = self._core.sequence.add_detections(stamp.to_sec(), conversions.hypotheses(message))
+        hypotheses, markers = conversions.hypotheses(message), conversions.marker_sights(message)
+        fusion = self._core.sequence.add_detections(stamp.to_sec(), hypotheses, markers)
         if message.dock:
             self._out.innovation(stamp, fusion)
         if not fusion.outcome.accepted:

@@ -30,7 +30,12 @@ class Verdict(Enum):
 
 def standing_dock(fresh: Fresh) -> Array:
     """The dock in base_link (3,): mean of images taken while the chair stood, whatever drift its odometry has."""
-    return combine([in_frame(inverse(instant.pose), measurement) for instant, measurement in fresh]).pose
+    return standing_measurement(fresh).pose
+
+
+def standing_measurement(fresh: Fresh) -> Measurement:
+    """The same with its covariance."""
+    return combine([in_frame(inverse(instant.pose), measurement) for instant, measurement in fresh])
 
 
 def judge(error: Array, moves: int, parameters: SequenceParameters) -> Verdict:

@@ -14,6 +14,7 @@ does with its speed is limited by the safety gate, which brakes within the chair
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,7 +24,7 @@ from seater_common.geometry import Chair, Dock
 from seater_nmpc.control.command import Command
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.observe.innovation import Fusion
-from seater_nmpc.observe.measurement import Hypothesis
+from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.motion import MotionObserver
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Instant, Odometry
@@ -106,8 +107,10 @@ class DockingSequence:
             self._controller.measured(odometry.stamp, *self.observer.true_speeds(newest.v, newest.omega))
         return taken
 
-    def add_detections(self, stamp: float, hypotheses: list[Hypothesis]) -> Fusion:
-        """Take the dock observations of one image."""
+    def add_detections(self, stamp: float, hypotheses: list[Hypothesis], markers: Sequence[MarkerSight] = ()) -> Fusion:
+        """Take the dock observations of one image, and its single markers where they are known."""
+        if self.active:
+            self._watch.see(hypotheses, markers)
         return self.observer.add_detections(stamp, hypotheses)
 
     def update(self, now: float, contact: bool | None = None) -> Step:
@@ -123,6 +126,9 @@ class DockingSequence:
             chair = self._check(now)
             command = STANDING if chair is None else self._phases.command(chair)
         except GoalEnd as end:
+            doubt = self._watch.final() if end.code is ResultCode.SUCCESS and self._docking else None
+            if doubt is not None:
+                return self._finish(now, ResultCode[doubt.kind.name], doubt.text)
             return self._finish(now, end.code, end.text)
         return self._step(now, command)
 
@@ -189,6 +195,23 @@ class DockingSequence:
             retries=phases.retries,
         )
 
+    @property
+    def _docking(self) -> bool:
+        return self._phases.phase is not Phase.UNDOCKING
+
+    def _certainty(self) -> dict[str, float]:
+        """Standard deviations of the final error: noise of the images, what calibration leaves, and what the way here
+        says of the installation."""
+        if self._phases.covariance is None:
+            return {}
+        p, off = self.observer.parameters, self._watch.final_error
+        common = np.diag([p.calibration_position**2, p.calibration_position**2, p.calibration_heading**2])
+        P = self._phases.covariance + common + np.outer(off, off)
+        return {
+            "position_sd": math.sqrt(float(np.linalg.eigvalsh(P[:2, :2])[-1])),
+            "heading_sd": math.sqrt(float(P[2, 2])),
+        }
+
     def _finish(self, now: float, code: ResultCode, text: str) -> Step:
         phases = self._phases
         now = now if math.isfinite(now) else phases.now
@@ -205,6 +228,7 @@ class DockingSequence:
             longitudinal_error=x,
             lateral_error=y,
             heading_error=heading,
+            **self._certainty(),
         )
         step = self._step(now, STANDING, result)
         self._controller.history.clear()  # whoever drives from here on does not say

@@ -101,6 +101,7 @@ class Phases:
         self.now, self.retries = now, 0
         self.deadlines = Deadlines(self._parameters.timeouts, now, timeout)
         self.error: Array | None = None  # (3,) the chair in the dock's frame, once known
+        self.covariance: Array | None = None  # (3, 3) of the error, by the images alone, once verified
         self.T_odom_dock: Array | None = None
         self._controller.history.clear()  # whoever drove until now did not say
         self.no_way = ""  # why there is no way into the bay
@@ -366,7 +367,7 @@ class Phases:
             self._verification = Verification(self._dock, self._parameters, self._require_contact, chair.stamp)
         v, verdict = self._verification.update(chair.stamp, chair, self._observer, self.contact)
         if self._verification.error is not None:
-            self.error = self._verification.error
+            self.error, self.covariance = self._verification.error, self._verification.covariance
         if verdict is Verdict.PENDING:
             return Command(v=v, omega=0.0)
         if verdict is Verdict.OUTSIDE:

@@ -64,6 +64,8 @@ class Result:
     longitudinal_error: float = 0.0  # [m]
     lateral_error: float = 0.0  # [m]
     heading_error: float = 0.0  # [rad]
+    position_sd: float = 0.0  # [m] of that error, in the direction in which it is largest; 0: not verified
+    heading_sd: float = 0.0  # [rad]
 
     @property
     def success(self) -> bool:

@@ -12,7 +12,7 @@ from seater_common.se2 import compose, relative
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import SequenceParameters
-from seater_nmpc.sequence.correction import standing_dock
+from seater_nmpc.sequence.correction import standing_measurement
 
 Array = NDArray[np.float64]
 
@@ -44,6 +44,7 @@ class Verification:
         self._wait_since = now
         self._nudge_from: Instant | None = None
         self._nudged = False
+        self.covariance: Array | None = None  # (3, 3) of the dock in base_link, by the images' own noise
         self.error: Array | None = None  # (x, y, heading) of base_link in the dock's frame, once measured
 
     def update(self, now: float, chair: Instant, observer: DockObserver, contact: bool | None) -> tuple[float, Verdict]:
@@ -55,7 +56,9 @@ class Verification:
                 patience = max(self._parameters.timeouts.verify, _AS_LONG * wanted * observer.image_period)
                 late = now - self._start > patience
                 return 0.0, Verdict.UNSEEN if late else Verdict.PENDING
-            self._T_odom_dock, self._wait_since = compose(chair.pose, standing_dock(fresh)), now
+            standing = standing_measurement(fresh)
+            self.covariance = standing.covariance
+            self._T_odom_dock, self._wait_since = compose(chair.pose, standing.pose), now
         self.error = relative(self._T_odom_dock, chair.pose)
         if self._nudge_from is None and not self._nudged and not within(self.error, self._dock.tolerance):
             return 0.0, Verdict.OUTSIDE

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from seater_common.geometry import Chair, Dock, Marker, pose_matrix
 from seater_common.se2 import compose, inverse, transform_points
 from seater_eval.judge.plant.effects import Pictures
-from seater_nmpc.observe.measurement import Hypothesis
+from seater_eval.judge.plant.installation import Installation
+from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 
 Array = NDArray[np.float64]
 Pose = tuple[float, float, float]
@@ -35,11 +36,20 @@ _ODDS_OF_RUN, _ODDS_OF_IMAGE, _ODDS_OF_VIEW = (0.3, 0.8), 0.7, 8.0
 class DockCamera:
     """Poses of the dock in the optical frame, for base_link at a pose in the dock's frame."""
 
-    def __init__(self, chair: Chair, dock: Dock, pictures: Pictures, rng: np.random.Generator) -> None:
-        self._pictures, self._rng = pictures, rng
+    def __init__(
+        self,
+        chair: Chair,
+        dock: Dock,
+        pictures: Pictures,
+        rng: np.random.Generator,
+        installation: Installation | None = None,
+    ) -> None:
+        """`installation`: what is otherwise than `chair` and `dock` say."""
+        self._pictures, self._rng, self._installation = pictures, rng, installation
         self._odds = rng.normal(*_ODDS_OF_RUN)
-        self._mount = (chair.camera.x, chair.camera.y, chair.camera.yaw)
-        self._T_optical_base = np.linalg.inv(chair.camera.T_base_optical())
+        mount = chair.camera if installation is None else installation.mount(chair.camera)
+        self._mount = (mount.x, mount.y, mount.yaw)
+        self._T_optical_base = np.linalg.inv(mount.T_base_optical())
         self._markers = dock.markers
         self._walls = [(*wall.min(axis=0), *wall.max(axis=0)) for wall in dock.bay.side_walls()]
 
@@ -58,12 +68,12 @@ class DockCamera:
         centre = np.mean([marker.position for marker in markers], axis=0)
         sds = self._sds(pose, markers, centre)
         if chances[0] < self._pictures.outliers:
-            return [self._hypothesis(self._far_off(T_base_dock), centre, sds)]
-        right = self._hypothesis(T_base_dock, centre, sds)
+            return [self._hypothesis(self._far_off(T_base_dock), markers, sds)]
+        right = self._hypothesis(T_base_dock, markers, sds)
         if chances[1] >= self._pictures.flips and not self._pictures.ambiguous:
             return [right]
         mirrored = self._mirrored(T_base_dock, centre, markers[0])
-        flipped = self._hypothesis(mirrored, centre, sds)
+        flipped = self._hypothesis(mirrored, markers, sds)
         if not self._pictures.ambiguous and self._rng.uniform() < _FLIP_ALONE:
             return [flipped]
         weight = self._right_weight(math.dist(compose(pose, self._mount)[:2], centre[:2]), mirrored[2] - T_base_dock[2])
@@ -71,6 +81,21 @@ class DockCamera:
             Hypothesis(right.T_optical_dock, right.covariance, weight),
             Hypothesis(flipped.T_optical_dock, flipped.covariance, 1.0 - weight),
         ]
+
+    def sights(self, pose: Pose, rng: np.random.Generator) -> list[MarkerSight]:
+        """Single markers of the same image; only their centres are drawn, each with the error of a marker alone. `rng`:
+        of these, so that the poses of `look` do not depend on them."""
+        sights = []
+        T_optical_dock = self._T_optical_base @ pose_matrix(inverse(pose))
+        for marker in self.seen(pose):
+            there = np.asarray(marker.position) if self._installation is None else self._installation.place(marker)
+            p = T_optical_dock[:3, :3] @ there + T_optical_dock[:3, 3]
+            sds = self._sds(pose, [marker], np.asarray(marker.position))[:3]
+            p = p + self._pictures.noise * sds * rng.normal(size=3)
+            T = T_optical_dock @ marker.T_dock_marker()
+            T[:3, 3] = p if self._installation is None else self._installation.centre(p)
+            sights.append(MarkerSight(marker.id, T))
+        return sights
 
     def _right_weight(self, distance: float, turn: float) -> float:
         """Of the right pose beside one that is turned by `turn` [rad], at this distance [m]."""
@@ -107,9 +132,12 @@ class DockCamera:
             turn = min(turn, math.sqrt(2.0) * depth / base)
         return np.array([across, across, depth, turn, turn, turn]) / np.sqrt([n, n, n, 1.0, 1.0, 1.0])
 
-    def _hypothesis(self, T_base_dock: Array, centre: Array, sds: Array) -> Hypothesis:
+    def _hypothesis(self, T_base_dock: Array, markers: list[Marker], sds: Array) -> Hypothesis:
         """With an error of these standard deviations: the markers' centre shifts, and everything turns about it."""
+        centre = np.mean([marker.position for marker in markers], axis=0)
         T = self._T_optical_base @ pose_matrix(T_base_dock)
+        if self._installation is not None:
+            T = self._installation.pose(T, markers)
         arm = T[:3, :3] @ -centre  # from the markers' centre to the dock's origin
         error = self._pictures.noise * sds * self._rng.normal(size=6)
         moved = np.eye(4)

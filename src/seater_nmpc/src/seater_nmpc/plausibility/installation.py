@@ -1,0 +1,159 @@
+"""How far camera mount and focal length are off, by what the images make of the way that the odometry measures.
+
+An extended Kalman filter: the seven states of drift.py, and dx, dy [m], dyaw [rad] by which the mount is off, and k, by
+which distances along the camera's axis are measured too long (a focal length that is too long by k, or prints that are
+smaller). With c the camera and M the middle of the markers, q = D - c and r = M - c seen from base_link, a the camera's
+axis and t the angle between it and the normal of the markers, an image shows the dock D off by
+
+    position  -(dx, dy) + dyaw (q_y, -q_x) + k (a r) a + turn (D - M)_across,
+    heading   -dyaw + turn,   turn = k sin t cos t.
+
+Turning the chair shows dx and dy, driving shows dyaw, driving with a known scale of the odometry shows k. How much the
+tyres slip is not known, so several filters run and the likeliest one answers.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_common.geometry import CameraMount, Dock
+from seater_common.se2 import relative, transform_points, wrap_angle
+from seater_nmpc.observe.drift import SIZE, Drift
+from seater_nmpc.observe.measurement import Measurement, difference
+from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.parameters import ObserverParameters
+
+Array = NDArray[np.float64]
+
+NAMES = ("the camera's x", "the camera's y", "the camera's yaw", "focal length or print size")
+PRIOR = np.array([0.03, 0.03, 0.03, 0.05])  # standard deviations before anything was measured
+_SLIPS = (0.15, 0.4, 1.0)
+_STEP = (0.03, 0.03)  # [m, rad] driven or turned from one image that is used to the next
+_FIRST = 0.1  # [m, rad] that the first image may be off the observer's dock
+_GATE = 16.3  # chi-square, 99.9 %
+_LOG_OUTLIER = math.log(0.03)
+_ALL = SIZE + 4
+
+
+@dataclass(frozen=True)
+class InstallationError:
+    """What the docking found."""
+
+    values: Array  # (4,) of NAMES
+    noise: Array  # (4, 4) covariance that these values have where the installation is right
+    final: Array  # (3,) by which the docked chair is off because of them, x, y [m], heading [rad]
+    final_noise: Array  # (3, 3) of that
+
+    @property
+    def suspect(self) -> int:
+        """Index into NAMES of the value that is farthest from right, in standard deviations."""
+        return int(np.argmax(np.abs(self.values) / np.sqrt(np.diag(self.noise) + 1e-12)))
+
+
+class Installation:
+    """Of one goal: `add` what each image shows, then ask for the `error`."""
+
+    def __init__(self, mount: CameraMount, dock: Dock, parameters: ObserverParameters) -> None:
+        self._camera = np.array([mount.x, mount.y, mount.yaw])
+        self._middle = np.mean([marker.position[:2] for marker in dock.markers], axis=0)
+        self._normal = float(np.mean([marker.normal_yaw for marker in dock.markers]))
+        self._drifts = [Drift(parameters, slip) for slip in _SLIPS]
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget what was shown."""
+        self._last: Instant | None = None
+        self._mean: list[Array] = []
+        self._covariance: list[Array] = []
+        self._evidence = np.zeros(len(_SLIPS))
+
+    def add(self, chair: Instant, offered: list[Measurement], known: Array) -> None:
+        """The poses of the dock in odom that an image leaves open; `known` (3,): where the observer has it. Late images
+        and those of a chair that stands are left out."""
+        if self._last is None:
+            near = [one for one in offered if float(np.abs(difference(one.pose, known)).max()) <= _FIRST]
+            if near:
+                self._begin(chair, near[0])
+            return
+        driven, turned = chair.driven - self._last.driven, chair.turned - self._last.turned
+        if chair.stamp <= self._last.stamp or (driven < _STEP[0] and turned < _STEP[1]):
+            return
+        for i, drift in enumerate(self._drifts):
+            F, Q = np.eye(_ALL), np.zeros((_ALL, _ALL))
+            F[:SIZE, :SIZE], Q[:SIZE, :SIZE] = drift.transition(self._mean[i][:SIZE], self._last, chair)
+            mean = F @ self._mean[i]
+            self._update(i, chair, offered, mean, F @ self._covariance[i] @ F.T + Q)
+        self._last = chair
+
+    def error(self) -> InstallationError | None:
+        """By the likeliest filter; None before there is one."""
+        if self._last is None:
+            return None
+        best = int(np.argmax(self._evidence))
+        values, P = self._mean[best][SIZE:], self._covariance[best][SIZE:, SIZE:]
+        noise = P - P @ np.diag(PRIOR**-2) @ P
+        B = self._effect(np.zeros(3))
+        return InstallationError(values, noise, B @ values, B @ noise @ B.T)
+
+    def _begin(self, chair: Instant, first: Measurement) -> None:
+        for drift in self._drifts:
+            errors, spread = drift.initial_errors()
+            covariance = np.zeros((_ALL, _ALL))
+            covariance[3:SIZE, 3:SIZE] = spread
+            covariance[SIZE:, SIZE:] = np.diag(PRIOR**2)
+            # The first image shows the dock with the installation's errors: it is certain together with them only.
+            H = self._jacobian(chair, first.pose)[:, SIZE:]
+            covariance[:3, :3] = first.covariance + H @ np.diag(PRIOR**2) @ H.T
+            covariance[:3, SIZE:] = -H @ np.diag(PRIOR**2)
+            covariance[SIZE:, :3] = covariance[:3, SIZE:].T
+            self._mean.append(np.concatenate([first.pose, errors, np.zeros(4)]))
+            self._covariance.append(covariance)
+        self._last = chair
+
+    def _update(self, i: int, chair: Instant, offered: list[Measurement], mean: Array, P: Array) -> None:
+        H = self._jacobian(chair, mean[:3])
+        expected = mean[:3] + H[:, SIZE:] @ mean[SIZE:]
+        scored = []
+        for measurement in offered:
+            S = H @ P @ H.T + measurement.covariance
+            value = difference(measurement.pose, expected)
+            scored.append((float(value @ np.linalg.solve(S, value)), measurement, value, S))
+        nis, best, value, S = min(scored, key=lambda entry: entry[0])
+        likelihood = -0.5 * (nis + float(np.linalg.slogdet(S)[1]) + 3.0 * math.log(2.0 * math.pi))
+        self._evidence[i] += max(likelihood, _LOG_OUTLIER)
+        if nis <= _GATE:
+            gain = np.linalg.solve(S, H @ P).T
+            mean = mean + gain @ value
+            keep = np.eye(_ALL) - gain @ H
+            P = keep @ P @ keep.T + gain @ best.covariance @ gain.T
+        mean[2] = wrap_angle(float(mean[2]))
+        self._mean[i], self._covariance[i] = mean, P
+
+    def _jacobian(self, chair: Instant, dock: Array) -> Array:
+        """(3, 11) of what an image shows in odom."""
+        heading = float(chair.pose[2])
+        R = np.array([[math.cos(heading), -math.sin(heading)], [math.sin(heading), math.cos(heading)]])
+        B = self._effect(relative(chair.pose, dock))
+        H = np.zeros((3, _ALL))
+        H[:, :3] = np.eye(3)
+        H[:2, SIZE:], H[2, SIZE:] = R @ B[:2], B[2]
+        return H
+
+    def _effect(self, dock: Array) -> Array:
+        """(3, 4): of (dx, dy, dyaw, k) on a dock at `dock` (3,) in base_link."""
+        middle = transform_points(dock, self._middle[None, :])[0]
+        q, r = dock[:2] - self._camera[:2], middle - self._camera[:2]
+        yaw = float(self._camera[2])
+        a = np.array([math.cos(yaw), math.sin(yaw)])
+        t = math.remainder(float(dock[2]) + self._normal + math.pi - yaw, 2.0 * math.pi)
+        turn = math.sin(t) * math.cos(t)
+        arm = dock[:2] - middle
+        B = np.zeros((3, 4))
+        B[0, 0] = B[1, 1] = -1.0
+        B[:2, 2], B[2, 2] = (q[1], -q[0]), -1.0
+        B[:2, 3], B[2, 3] = float(a @ r) * a + turn * np.array([-arm[1], arm[0]]), turn
+        return B
