@@ -32,7 +32,10 @@ Array = NDArray[np.float64]
 NAMES = ("the camera's x", "the camera's y", "the camera's yaw", "focal length or print size")
 PRIOR = np.array([0.03, 0.03, 0.03, 0.05])  # standard deviations before anything was measured
 _SLIPS = (0.15, 0.4, 1.0)
-_STEP = (0.03, 0.03)  # [m, rad] driven or turned from one image that is used to the next
+# Standard deviations of constant errors of the odometry (scale, turning scale, turn per metre), whatever is configured:
+# what is not told of it must not look like a wrong installation.
+_CONSTANT = (0.04, 0.04, 0.04)
+_STEP = (0.015, 0.015)  # [m, rad] driven or turned from one image that is used to the next
 _FIRST = 0.1  # [m, rad] that the first image may be off the observer's dock
 _GATE = 16.3  # chi-square, 99.9 %
 _LOG_OUTLIER = math.log(0.03)
@@ -45,13 +48,32 @@ class InstallationError:
 
     values: Array  # (4,) of NAMES
     noise: Array  # (4, 4) covariance that these values have where the installation is right
-    final: Array  # (3,) by which the docked chair is off because of them, x, y [m], heading [rad]
-    final_noise: Array  # (3, 3) of that
+    effects: Array  # (3, 4) of each on where the docked chair stands: x, y [m], heading [rad]
+
+    @property
+    def final(self) -> Array:
+        """By which the docked chair is off because of all of them, x, y [m], heading [rad] (3,)."""
+        return np.asarray(self.effects.sum(axis=1))
 
     @property
     def suspect(self) -> int:
         """Index into NAMES of the value that is farthest from right, in standard deviations."""
-        return int(np.argmax(np.abs(self.values) / np.sqrt(np.diag(self.noise) + 1e-12)))
+        return int(np.argmax(self._sure))
+
+    def is_wrong(self, limits: Array, certainty: float) -> bool:
+        """Whether one value, or all together, surely lead to a final error beyond the limits (3,) [m, m, rad].
+
+        `certainty`: standard deviations that the value, or the error, is from zero.
+        """
+        alone = (np.abs(self.effects) > limits[:, None]) & (self._sure > certainty)
+        per_value = self.effects / np.where(self.values == 0.0, 1.0, self.values)
+        sds = np.sqrt(np.diag(per_value @ self.noise @ per_value.T)) + 1e-9
+        together = (np.abs(self.final) > limits) & (np.abs(self.final) > certainty * sds)
+        return bool(np.any(alone) or np.any(together))
+
+    @property
+    def _sure(self) -> Array:
+        return np.asarray(np.abs(self.values) / np.sqrt(np.diag(self.noise) + 1e-12))
 
 
 class Installation:
@@ -61,6 +83,7 @@ class Installation:
         self._camera = np.array([mount.x, mount.y, mount.yaw])
         self._middle = np.mean([marker.position[:2] for marker in dock.markers], axis=0)
         self._normal = float(np.mean([marker.normal_yaw for marker in dock.markers]))
+        self._constant = np.diag(np.square([*_CONSTANT, parameters.gyro_bias_sd]))
         self._drifts = [Drift(parameters, slip) for slip in _SLIPS]
         self.restart()
 
@@ -97,13 +120,13 @@ class Installation:
         values, P = self._mean[best][SIZE:], self._covariance[best][SIZE:, SIZE:]
         noise = P - P @ np.diag(PRIOR**-2) @ P
         B = self._effect(np.zeros(3))
-        return InstallationError(values, noise, B @ values, B @ noise @ B.T)
+        return InstallationError(values, noise, B * values)
 
     def _begin(self, chair: Instant, first: Measurement) -> None:
         for drift in self._drifts:
             errors, spread = drift.initial_errors()
             covariance = np.zeros((_ALL, _ALL))
-            covariance[3:SIZE, 3:SIZE] = spread
+            covariance[3:SIZE, 3:SIZE] = spread + self._constant
             covariance[SIZE:, SIZE:] = np.diag(PRIOR**2)
             # The first image shows the dock with the installation's errors: it is certain together with them only.
             H = self._jacobian(chair, first.pose)[:, SIZE:]

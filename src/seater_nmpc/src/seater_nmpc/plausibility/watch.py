@@ -69,8 +69,7 @@ class Watch:
         if error is None:
             return None
         limits = np.array([p.final_position, p.final_position, p.final_heading])
-        sds = np.sqrt(np.diag(error.final_noise)) + 1e-9
-        if not np.any((np.abs(error.final) > limits) & (np.abs(error.final) > p.final_certainty * sds)):
+        if not error.is_wrong(limits, p.final_certainty):
             return None
         x, y, heading = error.final.tolist()
         off = f"{1e3 * math.hypot(x, y):.0f} mm and {math.degrees(abs(heading)):.1f} deg"

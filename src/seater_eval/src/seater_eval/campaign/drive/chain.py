@@ -16,7 +16,7 @@ from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair
 from seater_common.params import ParameterError
 from seater_eval.campaign.setup.configuration import Configuration
-from seater_nmpc.observe.measurement import Hypothesis
+from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 
 Image = NDArray[np.uint8]
 
@@ -40,10 +40,11 @@ class Perception:
         except ValueError as error:  # the library's own errors
             raise ParameterError(f"perception: {error}") from error
 
-    def detect(self, image: Image) -> tuple[list[Hypothesis], int]:
-        """The dock's possible poses in the optical frame, as the topic `detections` carries them; markers found."""
+    def detect(self, image: Image) -> tuple[list[Hypothesis], list[MarkerSight]]:
+        """The dock's possible poses in the optical frame and the markers, as the topic `detections` carries them."""
         result = self._tracker.detect(image)
-        return [Hypothesis(seen.pose, seen.covariance, seen.weight) for seen in result.dock], len(result.markers)
+        markers = [MarkerSight(marker.id, marker.hypotheses[0].pose) for marker in result.markers]
+        return [Hypothesis(seen.pose, seen.covariance, seen.weight) for seen in result.dock], markers
 
     def finds(self, image: Image) -> bool:
         """Whether the dock is found in a single image, whatever was seen before; leaves no trace in the run."""

@@ -155,9 +155,9 @@ class ImageDocking:
         with self._timed("detect"):
             hypotheses, markers = self.perception.detect(grey(pixels))
         with self._timed("control"):
-            fusion = self.sequence.add_detections(image.stamp_ns / NANOSECONDS, hypotheses)
+            fusion = self.sequence.add_detections(image.stamp_ns / NANOSECONDS, hypotheses, markers)
         taken = (image.stamp_ns - self._begin_ns) / NANOSECONDS
-        self.trace.image_rows.append((taken, float(markers), float(fusion.outcome)))
+        self.trace.image_rows.append((taken, float(len(markers)), float(fusion.outcome)))
 
     def _record(self) -> None:
         truth = self.simulator.truth

@@ -1,0 +1,93 @@
+"""What camera mount and focal length are off by, found from a made-up drive with slipping wheels and noisy images."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from seater_common.geometry import Chair, Dock
+from seater_common.se2 import arc_step, compose, inverse, relative, transform_points
+from seater_nmpc.observe.measurement import Measurement, in_frame
+from seater_nmpc.observe.odometry import Odometry, OdometryBuffer
+from seater_nmpc.parameters import ObserverParameters
+from seater_nmpc.plausibility.installation import NAMES, Installation
+
+CHAIR, DOCK = Chair(), Dock()
+MOUNT = np.array([CHAIR.camera.x, CHAIR.camera.y, CHAIR.camera.yaw])
+MIDDLE = np.array([0.9, 0.0])
+LIMITS = np.array([0.012, 0.012, 0.02])
+NOISE = np.array([0.003, 0.003, 0.004])
+
+
+def seen(truth: np.ndarray, wrong: np.ndarray) -> np.ndarray:
+    """The dock in base_link as perception and chair.yaml make it: mount off by [:3], depths too long by [3]."""
+    in_camera = relative(MOUNT + wrong[:3], inverse(truth))
+    middle = transform_points(in_camera, MIDDLE[None, :])[0]
+    wall = np.array([-math.sin(in_camera[2]), math.cos(in_camera[2])]) * [1.0 + wrong[3], 1.0]  # along the wall
+    heading = math.atan2(-wall[0], wall[1])
+    middle = middle * [1.0 + wrong[3], 1.0]
+    place = middle - transform_points([0.0, 0.0, heading], MIDDLE[None, :])[0]
+    return compose(MOUNT, [*place, heading])
+
+
+def found(wrong=(0.0, 0.0, 0.0, 0.0), slip: float = 0.02, seed: int = 1):
+    """After a drive in an S from 2.6 m ahead."""
+    truth, odom = np.array([-2.6, 0.9, 0.7]), np.array([1.0, 2.0, 0.3])
+    installation, buffer = Installation(CHAIR.camera, DOCK, ObserverParameters()), OdometryBuffer(60.0, 0.1)
+    rng = np.random.default_rng(seed)
+    for k in range(1500):
+        omega = -0.35 if k < 600 else 0.25 if k < 1000 else 0.0
+        truth = arc_step(truth, 0.2 * (1.0 - slip), omega, 0.01)
+        odom = arc_step(odom, 0.2, omega, 0.01)
+        buffer.add(Odometry(0.01 * (k + 1), odom, 0.2, omega))
+        if k % 5 == 0:
+            pose = seen(truth, np.array(wrong)) + NOISE * rng.normal(size=3)
+            chair = buffer.newest
+            assert chair is not None
+            measured = in_frame(chair.pose, Measurement(pose, np.diag(NOISE**2)))
+            installation.add(chair, [measured], measured.pose)
+    error = installation.error()
+    assert error is not None
+    return error
+
+
+@pytest.mark.parametrize("slip", [0.0, 0.05])
+def test_a_right_installation_looks_right(slip: float) -> None:
+    error = found(slip=slip)
+    assert not error.is_wrong(LIMITS, 4.5)
+    assert np.all(np.abs(error.final) < [0.012, 0.012, 0.01])
+
+
+@pytest.mark.parametrize(
+    ("wrong", "name"),
+    [
+        ((0.0, 0.0, math.radians(3.0), 0.0), "yaw"),
+        ((0.0, 0.0, math.radians(-2.0), 0.0), "yaw"),
+        ((0.0, 0.0, 0.0, 0.08), "focal length"),
+        ((0.0, 0.0, 0.0, -0.06), "focal length"),
+        ((0.06, 0.0, 0.0, 0.0), "camera's x"),
+        ((0.0, -0.05, 0.0, 0.0), "camera's y"),
+    ],
+)
+def test_what_is_wrong_is_found_and_named(wrong, name: str) -> None:
+    """Though nobody says that the wheels slip by 2 %."""
+    error, index = found(wrong), int(np.argmax(np.abs(wrong)))
+    assert name in NAMES[error.suspect]
+    assert error.values[index] == pytest.approx(wrong[index], rel=0.35)
+    assert error.is_wrong(LIMITS, 4.5)
+    truly = seen(np.zeros(3), np.array(wrong))  # what a chair that is docked sees
+    assert error.effects[:, index] == pytest.approx(truly, rel=0.35, abs=0.003)
+
+
+def test_images_of_a_chair_that_stands_say_nothing() -> None:
+    installation = Installation(CHAIR.camera, DOCK, ObserverParameters())
+    assert installation.error() is None
+    buffer = OdometryBuffer(60.0, 0.1)
+    for k in range(100):
+        buffer.add(Odometry(0.01 * (k + 1), np.zeros(3), 0.0, 0.0))
+        assert buffer.newest is not None
+        installation.add(buffer.newest, [Measurement(np.array([2.0, 0.01 * k, 0.0]), np.eye(3))], np.zeros(3) + 2.0)
+    error = installation.error()
+    assert error is None or np.all(error.values == 0.0)
