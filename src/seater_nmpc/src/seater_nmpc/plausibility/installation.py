@@ -36,6 +36,7 @@ _SLIPS = (0.15, 0.4, 1.0)
 # what is not told of it must not look like a wrong installation.
 _CONSTANT = (0.04, 0.04, 0.04)
 _STEP = (0.015, 0.015)  # [m, rad] driven or turned from one image that is used to the next
+_DRIFTS = 0.015  # [rad/s] of a gyro's bias, beyond which values of millimetres are not to be had from its heading
 _FIRST = 0.1  # [m, rad] that the first image may be off the observer's dock
 _GATE = 16.3  # chi-square, 99.9 %
 _LOG_OUTLIER = math.log(0.03)
@@ -109,14 +110,17 @@ class Installation:
             F, Q = np.eye(_ALL), np.zeros((_ALL, _ALL))
             F[:SIZE, :SIZE], Q[:SIZE, :SIZE] = drift.transition(self._mean[i][:SIZE], self._last, chair)
             mean = F @ self._mean[i]
+            # The step is along the tangent of the dock's circle round the chair; steps of a gyro's bias add up.
+            lengthened = math.hypot(1.0, float(mean[2] - self._mean[i][2]))
+            mean[:2] = chair.pose[:2] + (mean[:2] - chair.pose[:2]) / lengthened
             self._update(i, chair, offered, mean, F @ self._covariance[i] @ F.T + Q)
         self._last = chair
 
     def error(self) -> InstallationError | None:
-        """By the likeliest filter; None before there is one."""
-        if self._last is None:
-            return None
+        """By the likeliest filter; None before there is one, and where the odometry's heading drifts with time."""
         best = int(np.argmax(self._evidence))
+        if self._last is None or abs(self._mean[best][SIZE - 1]) > _DRIFTS:
+            return None
         values, P = self._mean[best][SIZE:], self._covariance[best][SIZE:, SIZE:]
         noise = P - P @ np.diag(PRIOR**-2) @ P
         B = self._effect(np.zeros(3))
