@@ -24,7 +24,7 @@ class PlausibilityParameters:
     runaway_turning: float = param(0.25, "rad/s", "the same for turning", low=0.02, high=2.0)
     runaway_time: float = param(0.15, "s", "how long it has to last", low=0.0, high=2.0)
     image_speed: float = param(
-        0.05, "m/s", "difference of the speeds by images and by odometry that is no contradiction", low=0.01, high=1.0
+        0.03, "m/s", "difference of the speeds by images and by odometry that is no contradiction", low=0.01, high=1.0
     )
     image_turning: float = param(0.15, "rad/s", "the same for turning", low=0.02, high=2.0)
     image_share: float = param(0.4, "", "share of the larger one that is none either (tyres slip)", low=0.05, high=1.0)
