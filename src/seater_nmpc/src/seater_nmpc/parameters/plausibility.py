@@ -39,5 +39,5 @@ class PlausibilityParameters:
     )
     final_heading: float = param(0.02, "rad", "the same for the heading", low=0.001, high=1.0)
     final_certainty: float = param(
-        4.0, "", "standard deviations from which on such an error is certain", low=1.0, high=100.0
+        5.0, "", "standard deviations from which on such an error is certain", low=1.0, high=100.0
     )
