@@ -35,7 +35,7 @@ class PlausibilityParameters:
     mount_tilt: float = param(0.02, "rad", "tilt of the dock by which the mount may seem wrong", low=0.002, high=1.0)
     mount_height: float = param(0.04, "m", "the same for the height of the markers", low=0.002, high=1.0)
     final_position: float = param(
-        0.012, "m", "final error by the installation that ends a docking, when it is certain", low=0.001, high=1.0
+        0.02, "m", "final error by the installation that ends a docking, when it is certain", low=0.001, high=1.0
     )
     final_heading: float = param(0.02, "rad", "the same for the heading", low=0.001, high=1.0)
     final_certainty: float = param(
