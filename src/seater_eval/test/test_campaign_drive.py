@@ -53,7 +53,7 @@ def test_what_the_gate_lets_through_is_what_moves_the_chair(monkeypatch: pytest.
 
 
 def test_what_perception_does_not_find_is_not_known(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Perception, "detect", lambda self, image: ([], 0))
+    monkeypatch.setattr(Perception, "detect", lambda self, image: ([], []))
     row = run_case(job(campaign()))
     assert row["result"] == "FAILED_TO_DETECT_DOCK" and row["at_rest"] and not row["docked"]
     assert row["images"] == 300 and row["images_with_markers"] == 0  # 10 s, then nobody looks at images any more

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from seater_eval.judge.cases import rows
+from seater_eval.judge.plant import installation
 from seater_eval.judge.plant.faults import Fault, parse
+from seater_eval.judge.plant.installation import Installation
 from seater_eval.judge.run import Job, run
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
@@ -34,7 +36,7 @@ def test_a_fault_is_told_in_words() -> None:
     ("text", "code", "noticed", "way"),
     [
         ("frozen_odometry@-0.4", "ODOMETRY_WRONG", 0.65, 0.2),
-        ("spinning@-0.4", "WHEELS_SLIP", 0.7, 0.001),
+        ("spinning@-0.4", "WHEELS_SLIP", 0.75, 0.001),  # five images at 10 Hz, 0.12 s late, and one more
         ("stuck@-1.0", "BLOCKED", 0.6, 0.001),
         ("runaway@-0.4", "RUNAWAY", 4.0, 0.55),
         ("shifted:0.3@-0.4", "INCONSISTENT", 4.0, 0.4),
@@ -51,3 +53,28 @@ def test_each_is_noticed_in_time_and_named(text: str, code: str, noticed: float,
 def test_without_a_fault_nothing_is_noticed() -> None:
     values, _ = run(Job(str(CONFIG), rows()["kinematic"][0], 3))
     assert values["noticed_s"] is None and values["moved_after_fault_m"] is None
+
+
+def test_a_wrong_installation_is_told_in_words() -> None:
+    assert installation.parse("focal:0.05") == Installation("focal", 0.05)
+    drawn = installation.parse("any").drawn(np.random.default_rng(1))
+    assert drawn.kind in installation.KINDS and drawn.value is not None
+    assert installation.parse("moved_x").drawn(np.random.default_rng(1)).value < 0.0
+    for text, match in (("unheard_of", "mount_x"), ("focal:much", "with a number"), ("any:1", "none for any")):
+        with pytest.raises(ValueError, match=match):
+            installation.parse(text)
+
+
+@pytest.mark.parametrize("text", ["mount_yaw:3", "focal:0.1", "size:0.08", "mount_pitch:4"])
+def test_a_wrong_installation_is_no_success(text: str) -> None:
+    row = dataclasses.replace(rows()["issue"][0], installation=installation.parse(text))
+    values, _ = run(Job(str(CONFIG), row, 5))
+    assert values["code"] not in ("SUCCESS", "ALREADY_DOCKED")
+    assert values["installation"]["kind"] in text
+
+
+def test_the_final_errors_standard_deviation_is_about_right() -> None:
+    values, _ = run(Job(str(CONFIG), rows()["issue"][0], 5))
+    assert values["code"] == "SUCCESS"
+    assert 0.0005 < values["position_sd_m"] < 0.03 and values["position_error_m"] < 4.0 * values["position_sd_m"]
+    assert 0.05 < values["heading_sd_deg"] < 1.0

@@ -24,7 +24,7 @@ class PlausibilityParameters:
     runaway_turning: float = param(0.25, "rad/s", "the same for turning", low=0.02, high=2.0)
     runaway_time: float = param(0.15, "s", "how long it has to last", low=0.0, high=2.0)
     image_speed: float = param(
-        0.05, "m/s", "difference of the speeds by images and by odometry that is no contradiction", low=0.01, high=1.0
+        0.03, "m/s", "difference of the speeds by images and by odometry that is no contradiction", low=0.01, high=1.0
     )
     image_turning: float = param(0.15, "rad/s", "the same for turning", low=0.02, high=2.0)
     image_share: float = param(0.4, "", "share of the larger one that is none either (tyres slip)", low=0.05, high=1.0)
@@ -32,12 +32,12 @@ class PlausibilityParameters:
         0.03, "", "share by which distances between markers may contradict their sizes", low=0.001, high=1.0
     )
     marker_place: float = param(0.006, "m", "how far a marker may be off the line of the others", low=0.0005, high=1.0)
-    mount_tilt: float = param(0.035, "rad", "tilt of the dock by which the mount may seem wrong", low=0.002, high=1.0)
+    mount_tilt: float = param(0.02, "rad", "tilt of the dock by which the mount may seem wrong", low=0.002, high=1.0)
     mount_height: float = param(0.04, "m", "the same for the height of the markers", low=0.002, high=1.0)
     final_position: float = param(
-        0.012, "m", "final error by the installation that ends a docking, when it is certain", low=0.001, high=1.0
+        0.02, "m", "final error by the installation that ends a docking, when it is certain", low=0.001, high=1.0
     )
     final_heading: float = param(0.02, "rad", "the same for the heading", low=0.001, high=1.0)
     final_certainty: float = param(
-        4.5, "", "standard deviations from which on such an error is certain", low=1.0, high=100.0
+        5.0, "", "standard deviations from which on such an error is certain", low=1.0, high=100.0
     )

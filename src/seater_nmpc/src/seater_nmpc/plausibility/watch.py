@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -22,6 +23,8 @@ from seater_nmpc.plausibility.response import Response
 
 Array = NDArray[np.float64]
 
+_CONFIRMED = (2, 3)  # so many of the last images must contradict the odometry: two wrong ones at once may do it once
+
 
 class Watch:
     """Begin it with each goal; then tell it what each cycle asks for, and `check`."""
@@ -40,10 +43,12 @@ class Watch:
         self._markers = Markers(chair.camera, dock, parameters)
         self._installation = Installation(chair.camera, dock, observer.parameters)
         self._begun, self._compared = 0.0, -np.inf  # [s] begin of the goal; newest image that was compared
+        self._suspected: deque[bool] = deque(maxlen=_CONFIRMED[1])  # whether the last images contradict the odometry
 
     def begin(self, now: float) -> None:
         """A goal begins at message time `now` [s]."""
         self._begun = now
+        self._suspected.clear()
         self._response.restart(now)
         self._markers.restart()
         self._installation.restart()
@@ -95,7 +100,9 @@ class Watch:
                 self._installation.add(chair, offered, known.pose)
         self._compared = shown[-1][0].stamp
         speeds = speeds_by_images(shown, self._middle)
-        return contradiction(speeds, self._parameters) if speeds is not None else None
+        found = contradiction(speeds, self._parameters) if speeds is not None else None
+        self._suspected.append(found is not None)
+        return found if sum(self._suspected) >= _CONFIRMED[0] else None
 
     def _odometry_stands(self, now: float) -> Contradiction | None:
         """Whether a chair that stands by its odometry moves by the few images of this time."""
