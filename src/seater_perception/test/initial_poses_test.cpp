@@ -1,6 +1,6 @@
 // Both poses under which a marker looks nearly the same.
 
-#include "stage/initial_poses.h"
+#include "photometric/initial_poses.h"
 
 #include <gtest/gtest.h>
 
