@@ -29,7 +29,8 @@ from seater_identify.report.table import describe
 from seater_identify.result.identify import identify
 from seater_identify.settings import IdentifySettings
 from seater_msgs.msg import GateState
-from seater_msgs.srv import GateArm
+from seater_nmpc.ros.gate import Gate, Loss
+from seater_nmpc.ros.goal_checks import RefusedError
 
 ZEROS = 10  # commands of zero after the end
 
@@ -44,12 +45,11 @@ class IdentifyNode:
         self._sources = Sources(Path(rospy.get_param("~controller_file")), Path(rospy.get_param("~chair_file")))
         self._results = Path(rospy.get_param("~results")).expanduser()
         self._rows: dict[str, list[Any]] = {"command": [], "odometry": [], "dock": [], "covariance": []}
-        self._lock, self._zeros, self._consent = threading.Lock(), 0, 0
-        self._arm = rospy.ServiceProxy("gate_arm", GateArm)
+        self._lock, self._zeros = threading.Lock(), 0
+        self._gate = Gate(self._on_gate, lock_step=False)
         self._out = rospy.Publisher("velocity_request", TwistStamped, queue_size=10)
         rospy.Subscriber("odom", Odometry, self._on_odometry, queue_size=100, tcp_nodelay=True)
         rospy.Subscriber("cmd_vel_stamped", TwistStamped, self._on_command, queue_size=100, tcp_nodelay=True)
-        rospy.Subscriber("gate_state", GateState, self._on_gate, queue_size=10, tcp_nodelay=True)
         rospy.Subscriber("dock_pose", PoseWithCovarianceStamped, self._on_dock, queue_size=100)
         rospy.Service("~start", Trigger, self._on_start)
         rospy.Service("~cancel", Trigger, self._on_cancel)
@@ -81,22 +81,25 @@ class IdentifyNode:
         if self._driver.state is DriveState.DRIVING or self._zeros > 0:
             self._rows[kind].append(row)
 
-    def _on_gate(self, message: GateState) -> None:
+    def _on_gate(self, _: str, message: GateState) -> None:
         with self._lock:
-            if self._consent and message.consent == self._consent and not message.motion_allowed:
-                self._consent = 0
-                self._driver.stop(message.stop_reason)
+            self._stop_by(self._gate.on_state(message))
+
+    def _stop_by(self, loss: Loss | None) -> None:
+        """End the drive where the gate's consent has ended."""
+        if loss is not None:
+            self._gate.release()
+            self._driver.stop(loss.text)
 
     def _on_start(self, _: Any) -> TriggerResponse:
-        try:
-            answer = self._arm()
-        except rospy.ServiceException as error:
-            return TriggerResponse(False, f"the safety gate does not answer: {error}")
-        if not answer.granted:
-            return TriggerResponse(False, answer.reason)
         with self._lock:
-            self._consent = answer.consent
+            try:
+                self._gate.arm()
+            except RefusedError as refused:
+                return TriggerResponse(False, refused.text)
             started = self._driver.start(rospy.get_time())
+            if not started:
+                self._gate.release()
             return TriggerResponse(started, self._driver.text)
 
     def _on_cancel(self, _: Any) -> TriggerResponse:
@@ -108,6 +111,7 @@ class IdentifyNode:
         with self._lock:
             if self._driver.state is DriveState.READY:
                 return
+            self._stop_by(self._gate.silence())
             before = self._driver.state
             command = self._driver.command(rospy.get_time())
             if before is DriveState.DRIVING:
