@@ -16,9 +16,11 @@ from seater_common.se2 import arc_step
 from seater_sim.camera.camera import Camera
 from seater_sim.faults.camera import CameraFault
 from seater_sim.loop.simulator import SimulatedImage
-from seater_sim.ros.free_clock import WallClock, offer_faults, run_free
+from seater_sim.ros.fault_service import offer_faults
+from seater_sim.ros.free_clock import WallClock
 from seater_sim.ros.image_topics import ImageTopics, Pixels
 from seater_sim.ros.options import FreeOptions
+from seater_sim.ros.program import run_free
 from seater_sim.settings import NANOSECONDS, to_ns
 
 _EXTRAPOLATE = 0.1  # [s] longest: an older truth is where the chair stands

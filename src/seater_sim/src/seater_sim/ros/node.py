@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import threading
 import time
 from typing import Any
@@ -10,12 +9,12 @@ from typing import Any
 import cv2
 import rospy
 
-from seater_common.params import ParameterError
 from seater_sim.chair.interface import OdometrySample
 from seater_sim.loop.motor_enable import MotorEnable
 from seater_sim.loop.simulator import Due, SimulatedImage, Simulator
 from seater_sim.ros.links import Links
 from seater_sim.ros.options import Options, load_options
+from seater_sim.ros.program import run_node
 from seater_sim.settings import NANOSECONDS
 
 PAUSED_PERIOD = 0.1  # [s] wall time between two clock messages while the time stands
@@ -84,7 +83,13 @@ class SimNode:
     # What goes out --------------------------------------------------------------------------------------------------
 
     def run(self) -> None:
-        """Until ROS shuts down."""
+        """Until ROS shuts down; whatever ends it, the plant stops."""
+        try:
+            self._loop()
+        finally:
+            self.close()
+
+    def _loop(self) -> None:
         self._links.publish_static(self._simulator)
         self._publish_contact(self._simulator.truth.contact, self._simulator.truth.collisions)
         self._wait_for_participants()
@@ -187,15 +192,4 @@ def main(argv: Any = None) -> None:
     cv2.setNumThreads(1)  # the other core belongs to perception and controller
     if not rospy.get_param("/use_sim_time", False):
         rospy.logwarn("/use_sim_time is not true: other nodes will not follow the simulated time.")
-    try:
-        node = SimNode(load_options())
-    except (ParameterError, ValueError) as error:
-        rospy.logfatal("%s: %s", rospy.get_name(), error)
-        sys.exit(1)
-    try:
-        node.run()
-    except rospy.ROSException:  # a publisher was closed under our hands: shutdown
-        if not rospy.is_shutdown():
-            raise
-    finally:
-        node.close()
+    run_node(lambda: SimNode(load_options()))

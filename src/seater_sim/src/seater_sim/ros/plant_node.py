@@ -16,8 +16,10 @@ from seater_sim.faults.plant import OdometryFault, PlantFault
 from seater_sim.loop.motor_enable import MotorEnable
 from seater_sim.loop.simulator import Due, Simulator
 from seater_sim.ros.chair_topics import ChairTopics
-from seater_sim.ros.free_clock import WallClock, offer_faults, run_free
+from seater_sim.ros.fault_service import offer_faults
+from seater_sim.ros.free_clock import WallClock
 from seater_sim.ros.options import FreeOptions
+from seater_sim.ros.program import run_free
 from seater_sim.settings import NANOSECONDS, to_ns
 
 _LATE = 0.1  # [s] behind the clock, from which on the run says nothing about a chair
