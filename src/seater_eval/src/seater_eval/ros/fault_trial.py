@@ -62,9 +62,9 @@ class Watch:
             return math.inf
         return moving[-1] - since if moving else 0.0
 
-    def way(self, since: float, until: float = math.inf) -> float:
-        """Driven between two times [m]."""
-        rows = [row for row in self.truth if since <= row[0] <= until]
+    def way(self, since: float) -> float:
+        """Driven since then [m]."""
+        rows = [row for row in self.truth if row[0] >= since]
         return sum(math.dist(a[1:3], b[1:3]) for a, b in pairwise(rows))
 
 
