@@ -15,9 +15,8 @@ from seater_nmpc.parameters import ObserverParameters
 
 Array = NDArray[np.float64]
 
-_SAME = (
-    1e-7  # [m, -] entries of a pose nearer to each other than this are the same number: no image has so little noise
-)
+# [m, -] Entries of a pose nearer to each other than this are the same number: no image has so little noise.
+_SAME = 1e-7
 _MOVED = (0.005, 0.03)  # [m, rad] after which an image cannot be the same (a gyro's bias turns a standing chair's odom)
 _SD_BY_DISTANCE = 0.1  # standard deviation of a position that may be used, per metre of distance
 _MAX_SD_HEADING = 0.35  # [rad]
