@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 MANIFESTS = sorted(p for folder in ("src/*", "config", "test") for p in ROOT.glob(f"{folder}/package.xml"))
 # Modules whose dependency has another name than they.
 DEBIAN = {name: f"python3-{name}" for name in ("numpy", "scipy", "yaml", "matplotlib", "rospkg", "tqdm", "tabulate")}
-DEBIAN |= {"cv2": "python3-opencv", "mpl_toolkits": "python3-matplotlib"}
+DEBIAN |= {"cv2": "python3-opencv", "mpl_toolkits": "python3-matplotlib", "reportlab": "python3-reportlab"}
 
 
 def manifest(path: Path) -> ElementTree.Element:

@@ -38,6 +38,7 @@ def test_a_file_is_found_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert (family.name, len(family), family.bits, family.cells) == ("small", 2, 3, 7)
     assert family.print_of(0)[2:5, 2:5].tolist() == [[1, 1, 0], [0, 1, 0], [0, 0, 1]]
     assert family.print_of(0).sum() == 4
+    assert np.array_equal(marker_family(str(tmp_path / "small.yaml")).codes, family.codes)
 
 
 def test_a_dictionary_of_opencv_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -138,7 +138,7 @@ def _of_opencv(values: dict[str, Any], path: str | Path) -> dict[str, Any]:
 
 
 def marker_family(name: str) -> MarkerFamily:
-    """The family of this name.
+    """The family of this name, or of the file at this path, which ends in .yaml or .yml.
 
     Raises:
         ParameterError: the name is not known, or its file is wrong.
@@ -150,5 +150,7 @@ def marker_family(name: str) -> MarkerFamily:
     for path in family_files():
         if path.stem in names:
             return load_family(path)
+    if Path(name).suffix in (".yaml", ".yml"):
+        return load_family(name)
     known = ", ".join(predefined_names() + [path.stem for path in family_files()])
     raise ParameterError(f"dictionary: is {name!r}, must be one of {known} (files of {FOLDERS})")

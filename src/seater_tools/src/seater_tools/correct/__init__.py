@@ -1,0 +1,1 @@
+"""A dock file with the sizes that were really printed."""

@@ -1,0 +1,1 @@
+"""Print sheets of the markers of a dock."""

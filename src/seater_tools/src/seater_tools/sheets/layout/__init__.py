@@ -1,0 +1,1 @@
+"""What goes where on the paper; all lengths in millimetres, y up. No drawing here."""
