@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from seater_common.geometry import Dock, Marker
 from seater_common.marker_family import MarkerFamily
 from seater_common.params import ParameterError
@@ -40,7 +42,7 @@ def make_document(dock: Dock, family: MarkerFamily, paper: Paper, source: str) -
     """`source`: the dock file, as a person would type it.
 
     Raises:
-        ParameterError: naming every marker whose id the family does not have.
+        ParameterError: naming every marker whose id the family does not have, or whose print cannot tell what is up.
     """
     markers = [MarkerSheets(marker, piece, sheets_of(piece, paper)) for marker, piece in _pieces(dock, family, source)]
     pieces = {entry.marker.id: entry.piece for entry in markers}
@@ -57,11 +59,14 @@ def make_document(dock: Dock, family: MarkerFamily, paper: Paper, source: str) -
 def _pieces(dock: Dock, family: MarkerFamily, source: str) -> list[tuple[Marker, Piece]]:
     found, problems = [], []
     for i, marker in enumerate(dock.markers):
-        try:
-            found.append((marker, Piece(family.print_of(marker.id), 1000.0 * marker.size)))
-        except ValueError:
-            known = f"0 to {len(family) - 1} ({family.name})"
-            problems.append(f"{source}/markers[{i}]/id: is {marker.id}, must be {known}")
+        key = f"{source}/markers[{i}]/id: is {marker.id}"
+        if marker.id >= len(family):
+            problems.append(f"{key}, must be 0 to {len(family) - 1} ({family.name})")
+            continue
+        pattern = family.print_of(marker.id)
+        if any(np.array_equal(pattern, np.rot90(pattern, turns)) for turns in (1, 2)):
+            problems.append(f"{key}, which looks the same when turned: no detector can tell its pose; take another")
+        found.append((marker, Piece(pattern, 1000.0 * marker.size)))
     if problems:
         raise ParameterError("wrong parameters:\n  " + "\n  ".join(problems))
     return found
