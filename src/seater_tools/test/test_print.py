@@ -105,8 +105,8 @@ def test_the_bars_have_their_length(paper: str) -> None:
     document = document_of(dock_of(DEFAULT_DOCK), paper)
     bar = PAPERS[paper].bar
     for number, page in enumerate(pages_of(document, 1, document.plan_pages + 1)):
-        row = len(page) - round((UNPRINTABLE + 3.0) / PIXEL)
-        assert ends(page[row]) == pytest.approx(bar, abs=PIXEL), f"page {number + 1}"
+        rows = slice(*(len(page) - round((UNPRINTABLE + up) / PIXEL) for up in (5.3, 0.7)))  # all of its thickness
+        assert ends(page[rows].min(axis=0)) == pytest.approx(bar, abs=PIXEL), f"page {number + 1}"
     first = pages_of(document, 1, 1)[0]
     column = first[: -round(FOOTER / PIXEL), first.shape[1] - round((UNPRINTABLE + 5.0) / PIXEL)]
     assert ends(column) == pytest.approx(bar, abs=PIXEL)

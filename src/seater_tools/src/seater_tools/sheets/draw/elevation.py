@@ -60,8 +60,9 @@ def _extent(view: View, pieces: dict[int, Piece], bay: Bay) -> Rect:
     halves = [0.5 * pieces[place.marker.id].quiet.width for place in view.places]
     prints = list(zip(view.places, halves, strict=True))
     half = 1000.0 * (0.5 * bay.width + bay.wall_thickness) if view.turn == 0.0 else 0.0
-    left = min([-half, *(place.x - reach for place, reach in prints)])
-    right = max([half, *(place.x + reach for place, reach in prints)])
+    ends = [-half, half] if view.reference else []
+    left = min([*ends, *(place.x - reach for place, reach in prints)])
+    right = max([*ends, *(place.x + reach for place, reach in prints)])
     low = min([0.0, *(place.height - reach for place, reach in prints)])
     return Rect(left - 20.0, low, right + 20.0, max(place.height + reach for place, reach in prints) + 60.0)
 
@@ -78,9 +79,10 @@ def _draw_surroundings(pen: Pen, view: View, bay: Bay, frame: Frame, drawn: Rect
     floor = [frame.at(x, 0.0) for x in (drawn.x0, drawn.x1)]
     pen.line(floor[0], floor[1], width=0.5)
     pen.text(floor[1][0], floor[1][1] - 3.5, "floor", 7.0, "right")
-    low, high = frame.at(0.0, drawn.y0), frame.at(0.0, drawn.y1)
-    pen.line((low[0], low[1] - STEP), high, width=0.15, dash=(4.0, 1.0, 0.7, 1.0))
-    pen.text(high[0], high[1] + 1.0, view.reference, 7.0, "middle")
+    if view.reference:
+        low, high = frame.at(0.0, drawn.y0), frame.at(0.0, drawn.y1)
+        pen.line((low[0], low[1] - STEP), high, width=0.15, dash=(4.0, 1.0, 0.7, 1.0))
+        pen.text(high[0], high[1] + 1.0, view.reference, 7.0, "middle")
 
 
 def _draw_print(pen: Pen, piece: Piece, marker_id: int, at: tuple[float, float], scale: float) -> None:
@@ -114,7 +116,7 @@ def _draw_heights(pen: Pen, view: View, heights: list[float], frame: Frame, draw
 def _draw_distances(pen: Pen, view: View, frame: Frame, drawn: Rect) -> None:
     """From centre to centre by way of the reference, and from the first to the last, below the floor."""
     places = [place.x for place in view.places]
-    stations = [(frame.at(x, 0.0)[0], x) for x in _distinct([*places, 0.0])]
+    stations = [(frame.at(x, 0.0)[0], x) for x in _distinct([*places, 0.0] if view.reference else places)]
     y = frame.at(0.0, drawn.y0)[1] - STEP
     for place in view.places:
         x, centre = frame.at(place.x, place.height)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from seater_common.geometry import Dock
+from seater_common.geometry import Dock, Marker
 from seater_tools.sheets.draw.dimensions import dimension_across, dimension_up
 from seater_tools.sheets.draw.elevation import SCALES
 from seater_tools.sheets.draw.pen import Pen
 from seater_tools.sheets.layout.rect import Rect
 
+Placing = Callable[[float, float], tuple[float, float]]  # from the dock frame [m] to the paper [mm]
 LONGEST = 6.0  # [mm] of the arrow that says where a print faces
 
 
@@ -35,16 +36,22 @@ def draw_from_above(pen: Pen, dock: Dock, room: Rect) -> None:
     _draw_axle(pen, at(0.0, 0.0))
     _draw_lengths(pen, dock, at)
     for marker in dock.markers:
-        x, y = marker.position[0], marker.position[1]
-        right = marker.T_dock_marker()[:2, 0] * 0.5 * marker.size
-        ends = at(x + right[0], y + right[1]), at(x - right[0], y - right[1])
-        pen.line(*ends, width=0.9)
-        start = at(x, y)
-        way = -math.sin(marker.normal_yaw), math.cos(marker.normal_yaw)
-        tip = start[0] + LONGEST * way[0], start[1] + LONGEST * way[1]
-        pen.line(start, tip, width=0.2)
-        pen.text(tip[0], tip[1] - 3.0, f"id {marker.id}", 7.5, "middle", bold=True, clear=True)
+        _draw_print(pen, dock, marker, at)
     pen.text(room.x1, room.y1 - 3.0, f"1 : {scale:g}, lengths in mm", 8.0, "right")
+
+
+def _draw_print(pen: Pen, dock: Dock, marker: Marker, at: Placing) -> None:
+    """A marker from above, the way that it faces, and all ids that are at this place of the floor plan."""
+    x, y = marker.position[0], marker.position[1]
+    right = marker.T_dock_marker()[:2, 0] * 0.5 * marker.size
+    ends = at(x + right[0], y + right[1]), at(x - right[0], y - right[1])
+    pen.line(*ends, width=0.9)
+    start = at(x, y)
+    way = -math.sin(marker.normal_yaw), math.cos(marker.normal_yaw)
+    tip = start[0] + LONGEST * way[0], start[1] + LONGEST * way[1]
+    pen.line(start, tip, width=0.2)
+    ids = ", ".join(str(other.id) for other in dock.markers if other.position[:2] == marker.position[:2])
+    pen.text(tip[0], tip[1] - 3.0, f"id {ids}", 7.5, "middle", bold=True, clear=True)
 
 
 def _draw_axle(pen: Pen, at: tuple[float, float]) -> None:
@@ -53,8 +60,7 @@ def _draw_axle(pen: Pen, at: tuple[float, float]) -> None:
     pen.text(at[0] + 10.5, at[1] - 2.5, "docked chair", 7.5)
 
 
-def _draw_lengths(pen: Pen, dock: Dock, at: Callable[[float, float], tuple[float, float]]) -> None:
-    """`at`: from the dock frame to the paper."""
+def _draw_lengths(pen: Pen, dock: Dock, at: Placing) -> None:
     bay = dock.bay
     left, wall = at(bay.entrance_x, 0.5 * bay.width), at(bay.back_wall_x, 0.5 * bay.width)
     right = at(bay.entrance_x, -0.5 * bay.width)

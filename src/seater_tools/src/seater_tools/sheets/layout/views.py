@@ -29,7 +29,7 @@ class Place:
 @dataclass(frozen=True)
 class View:
     """Markers that face one way. `turn`: 0 when they face straight out of the bay, positive towards the right of
-    somebody who looks into it [rad]. x is measured from the middle of the back wall, along the paper."""
+    somebody who looks into it [rad]. x is measured along the paper from the middle of the back wall, to the right."""
 
     turn: float
     places: tuple[Place, ...]
@@ -42,10 +42,10 @@ class View:
 
     @property
     def reference(self) -> str:
-        """What x is measured from."""
+        """What x = 0 is, when the view is square to the bay; else empty: nobody can put a rule there."""
         if self.turn == 0.0:
             return "middle of the bay"
-        return "back wall" if abs(math.cos(self.turn)) < SAME_WAY else "middle of the back wall"
+        return "back wall" if abs(math.cos(self.turn)) < SAME_WAY else ""
 
 
 def views_of(dock: Dock) -> list[View]:
