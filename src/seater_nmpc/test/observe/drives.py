@@ -26,6 +26,7 @@ class Drive:
 
     truth: np.ndarray = field(default_factory=lambda: np.array([-2.6, 0.2, -0.1]))
     slip: Callable[[np.ndarray], float] = lambda pose: 0.0  # fraction of the wheels' way that is lost there
+    pull: Callable[[np.ndarray], float] = lambda pose: 0.0  # [rad/m] that the chair turns there, unseen by its wheels
     gyro_bias: float = 0.0  # [rad/s]
     odometry_period: float = 0.02  # [s]
     image_period: float = 0.1
@@ -48,7 +49,8 @@ class Drive:
     def go(self, v: float, omega: float, seconds: float) -> None:
         """Drive so; `v` and `omega` are what the wheels turn by."""
         for _ in range(round(seconds / STEP)):
-            self.truth = arc_step(self.truth, v * (1.0 - self.slip(self.truth)), omega, STEP)
+            driven = v * (1.0 - self.slip(self.truth))
+            self.truth = arc_step(self.truth, driven, omega + driven * self.pull(self.truth), STEP)
             self.odom = arc_step(self.odom, v, omega + self.gyro_bias, STEP)
             self.ticks += 1
             if self.ticks % round(self.odometry_period / STEP) == 0:

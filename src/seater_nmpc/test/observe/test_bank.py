@@ -65,6 +65,21 @@ def test_slip_that_begins_on_the_way_is_learned_within_a_metre() -> None:
     assert drive.observer.estimate().drift[0] == pytest.approx(1.0 / 0.88 - 1.0, abs=0.035)
 
 
+def test_one_wheel_that_begins_to_slip_is_noticed_before_the_dock() -> None:
+    """A patch of 12 % under one wheel of two, 0.5 m apart, turns the chair by 0.24 rad in each metre, 0.55 m before
+    the dock and on: three quarters of that are known 0.25 m farther on, at the bay's speed."""
+    found = []
+    for seed in range(6):
+        drive = Drive(truth=np.array([-1.2, 0.0, 0.0]), pull=lambda pose: 0.24 * (pose[0] > -0.55), seed=seed)
+        drive.go(0.0, 0.0, 1.5)
+        drive.go(0.15, 0.0, (1.2 - 0.55) / 0.15)
+        assert drive.observer.estimate().drift[2] == pytest.approx(0.0, abs=0.04)
+        drive.go(0.15, 0.0, 0.25 / 0.15)
+        estimate = drive.observer.estimate()
+        found.append(estimate.true_speeds(0.15, 0.0)[1] / 0.15)
+    assert min(found) > 0.1 and np.mean(found) == pytest.approx(0.24, abs=0.06)
+
+
 def test_tyres_that_roll_keep_the_sharp_filter_and_its_small_covariance() -> None:
     rolling, slipping = Drive(), Drive(slip=FLOORS["patches of 12 %"])
     for drive in (rolling, slipping):

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from seater_common.geometry import Chair
 from seater_common.se2 import inverse, relative, transform_points, wrap_angles
+from seater_nmpc.control.cold_start import heading_for_target, standing
 from seater_nmpc.ocp.areas import Areas
 from seater_nmpc.ocp.formulations import make_problem
+from seater_nmpc.ocp.problem import step_lengths
 from seater_nmpc.parameters import ControlParameters
 from seater_nmpc.programme import Plan, WarmStart
 from seater_nmpc.solve.guard import GuardedSolver
@@ -38,7 +40,7 @@ class Replanner:
         solver: Solver | None = None,
     ) -> None:
         """`areas` in the dock's frame or None. `deterministic`: no wall-time limit. `solver` replaces the named one."""
-        self._parameters, self._areas = parameters, areas
+        self._chair, self._parameters, self._areas = chair, parameters, areas
         self._placed: tuple[Array, Areas] | None = None  # a target and the areas seen from there
         self._problem = make_problem(chair, parameters, areas)
         solver = solver or make_solver(self._problem, parameters)
@@ -93,22 +95,45 @@ class Replanner:
         state = self._unwound(state)
         areas = self._areas_seen_from(T_dock_target)
         cold = self._start is None
-        start = self._warm_start(areas, stamp, T_dock_target) or self._cold_start(state, areas)
+        warm = self._warm_start(areas, stamp, T_dock_target)
         outlines = [transform_points(inverse(T_dock_target), outline) for outline in obstacles]
-        limit = self._cold_limit if cold else self._limit
-        for _ in range(_COLD_ROUNDS if cold and outlines else 1):
-            lines = self._problem.obstacle_lines(outlines, self._problem.states(start.x))
-            data, began = self._problem.data(state, areas, lines, acceleration, slow), time.thread_time()
-            solution = self._solver.solve(data, start, limit)
-            self.solve_cpu = time.thread_time() - began
-            if not self.usable(solution):
-                break
-            start = WarmStart(solution.x)
+        began, solution = time.thread_time(), None
+        for start in [warm] if warm is not None else self._cold_starts(state, areas):
+            other = self._solve_from(start, cold, state, areas, outlines, acceleration, slow)
+            if solution is None or self._better(other, solution):
+                solution = other
+        assert solution is not None  # there is one start at least
+        self.solve_cpu = time.thread_time() - began
         if self.usable(solution):
             self._keep(solution, stamp, T_dock_target)
         else:
             self._resume(solution)
         return solution
+
+    def _solve_from(
+        self,
+        start: WarmStart,
+        cold: bool,
+        state: Array,
+        areas: Areas | None,
+        outlines: list[Array],
+        acceleration: tuple[float, float],
+        slow: tuple[float, float] | None,
+    ) -> Solution:
+        """See `solve`; `outlines` in the target's frame."""
+        limit = self._cold_limit if cold else self._limit
+        for _ in range(_COLD_ROUNDS if cold and outlines else 1):
+            lines = self._problem.obstacle_lines(outlines, self._problem.states(start.x))
+            solution = self._solver.solve(self._problem.data(state, areas, lines, acceleration, slow), start, limit)
+            if not self.usable(solution):
+                break
+            start = WarmStart(solution.x)
+        return solution
+
+    def _better(self, a: Solution, b: Solution) -> bool:
+        if self.usable(a) != self.usable(b):
+            return self.usable(a)
+        return a.cost < b.cost
 
     def usable(self, solution: Solution) -> bool:
         """Whether its plan may be followed: solved, or stopped where all constraints hold."""
@@ -131,11 +156,11 @@ class Replanner:
         self._heading = float(state[2])
         return state
 
-    def _cold_start(self, state: Array, areas: Areas | None) -> WarmStart:
-        """Standing where the chair is."""
-        states = np.repeat(state[None, :], self._parameters.horizon + 1, axis=0)
-        states[:, 3:] = 0.0
-        return WarmStart(self._problem.guess(states, areas))
+    def _cold_starts(self, state: Array, areas: Areas | None) -> list[WarmStart]:
+        """The optimisation's minima are next to where it begins: the cheapest of several counts."""
+        lengths = step_lengths(self._parameters)
+        ways = [standing(state, len(lengths)), heading_for_target(state, lengths, self._chair.limits)]
+        return [WarmStart(self._problem.guess(way, areas)) for way in ways if way is not None]
 
     def _warm_start(self, areas: Areas | None, stamp: float, T_dock_target: Array) -> WarmStart | None:
         """The last plan, moved on in time and seen from the present target, with the multipliers that it had."""

@@ -65,23 +65,23 @@ class ObserverParameters:
         0.004, "rad/sqrt(rad)", "random turn after 1 rad turned, standard deviation", low=0.0, high=1.0
     )
     slip_distance_noise: float = param(
-        0.06,
+        0.02,
         "m/sqrt(m)",
         "random error of distances of wheels that slip, after 1 m, standard deviation",
         low=0.0,
         high=1.0,
     )
     slip_heading_noise: float = param(
-        0.12, "rad/sqrt(m)", "random turn of wheels that slip, after 1 m driven", low=0.0, high=1.0
+        0.02, "rad/sqrt(m)", "random turn of wheels that slip, after 1 m driven", low=0.0, high=1.0
     )
     slip_turn_noise: float = param(
-        0.1, "rad/sqrt(rad)", "random turn of wheels that slip, after 1 rad turned", low=0.0, high=1.0
+        0.02, "rad/sqrt(rad)", "random turn of wheels that slip, after 1 rad turned", low=0.0, high=1.0
     )
     slip_walk: float = param(
         0.1, "1/sqrt(m)", "change of the relative errors of wheels that slip, after 1 m or 1 rad", low=0.0, high=1.0
     )
     slip_walk_turn: float = param(
-        0.05, "rad/m/sqrt(m)", "change of the turn per metre of wheels that slip, after 1 m", low=0.0, high=1.0
+        0.8, "rad/m/sqrt(m)", "change of the turn per metre of wheels that slip, after 1 m", low=0.0, high=1.0
     )
     gyro_bias_sd: float = param(
         0.03, "rad/s", "constant turning rate that odometry may report of a chair at rest", low=0.0, high=0.5
