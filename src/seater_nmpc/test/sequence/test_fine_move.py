@@ -87,6 +87,18 @@ def test_nothing_is_learned_for_another_direction_or_axis() -> None:
     assert after(0.12, 0.12) == 0.1  # did not move at all: from move to move it grows by so much at most
 
 
+def test_what_was_learned_of_turning_outlives_a_straight_move() -> None:
+    """On castors the two alternate: a turn on the spot, some millimetres ahead, the rest of the turn."""
+    drive, held = chair(AxisDrive()), 0.06
+    turn = FineMove(np.array([-0.01, 0.0, 0.03]), True, drive, LIMITS)
+    left = 0.03 + carry_out(turn, AxisDrive(), held)[0]
+    straight = FineMove(np.array([-0.01, 0.0, left]), False, drive, LIMITS, turn)
+    carry_out(straight, AxisDrive())
+    again = FineMove(np.array([0.0, 0.0, left]), True, drive, LIMITS, straight)
+    assert straight.resistance == 0.0 and 0.02 < again.resistance <= 0.06
+    assert FineMove(np.array([0.0, 0.0, -left]), True, drive, LIMITS, straight).resistance == 0.0
+
+
 def test_a_chair_that_nothing_moves_is_not_pushed_for_long() -> None:
     """Against a threshold: every move ends within a second, however much resistance is reckoned with."""
     before = None

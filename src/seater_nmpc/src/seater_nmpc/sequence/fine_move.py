@@ -37,13 +37,14 @@ class FineMove:
     def __init__(
         self, error: Array, turning: bool, drive: ChairDrive, limits: Limits, before: FineMove | None = None
     ) -> None:
-        """`error`: of the standing chair. `before`: the last move, from whose result it learns."""
+        """`error`: of the standing chair. `before`: the last move of this attempt, from whose result it learns."""
         self.turning, self._index = turning, 2 if turning else 0
         single, rate = (drive.omega, limits.alpha_max) if turning else (drive.v, limits.a_max)
         self._axis = _Axis(single, rate, _FASTEST[turning], _MOST_MORE[turning])
         self._begin = float(error[self._index])
         self._way = abs(self._begin)
-        self.resistance = 0.0 if before is None else before._resistance_after(error, turning)
+        self._learned = {} if before is None else before._learned_after(error)
+        self.resistance = self._learned.get((turning, self._begin > 0.0), 0.0)
         wanted = self.resistance + self._way / _DURATION
         self._fastest = min(max(wanted, single.smallest_speed), max(self._axis.fastest, single.smallest_speed))
         self._speed = self._done = self._time = 0.0
@@ -63,10 +64,15 @@ class FineMove:
     def _sure(self) -> bool:
         return self._speed >= self._axis.drive.smallest_speed
 
-    def _resistance_after(self, error: Array, turning: bool) -> float:
-        """To be reckoned with in the next move, given where the chair stands after this one."""
+    def _learned_after(self, error: Array) -> dict[tuple[bool, bool], float]:
+        """Resistance [m/s or rad/s] by (turning, error was positive), given where the chair stands after this move.
+
+        A move the other way swings the castors: then nothing is known of its axis.
+        """
+        learned = {key: value for key, value in self._learned.items() if key[0] is not self.turning}
         left = float(error[self._index])
-        if turning is not self.turning or left * self._begin <= 0.0:
-            return 0.0  # another direction: nothing is known
-        short = max(0.0, self._done - abs(self._begin - left))
-        return self.resistance + min(short / max(self._time, 0.5 * _DURATION), self._axis.most_more)
+        if left * self._begin > 0.0:
+            short = max(0.0, self._done - abs(self._begin - left))
+            more = min(short / max(self._time, 0.5 * _DURATION), self._axis.most_more)
+            learned[self.turning, self._begin > 0.0] = self.resistance + more
+        return learned
