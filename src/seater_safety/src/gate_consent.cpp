@@ -28,6 +28,7 @@ std::optional<Refusal> VelocityGate::arm(double now, const std::string& holder) 
     return Refusal{GateState::kStopped, "velocity requests other than zero still come in"};
   }
   consent_.give(holder);
+  power_cut_ = false;
   unused_.clear();
   request_ = {};
   request_seen_ = false;

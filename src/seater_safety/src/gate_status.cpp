@@ -32,6 +32,7 @@ std::string VelocityGate::reason(double now) const {
   if (joystick_.deflected(now)) return "the joystick has to be let go before it drives";
   if (consent_.held()) return unused_.empty() ? consent_.holder() + " drives" : unused_;
   if (insistent(now) && !unused_.empty()) return unused_;
+  if (power_cut_) return "the motors' power is cut until somebody drives anew, as they did not obey";
   return consent_.reason();
 }
 

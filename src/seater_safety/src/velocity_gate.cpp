@@ -125,6 +125,13 @@ void VelocityGate::fault(double now, const std::string& reason) {
   joystick_.lock(now);
 }
 
+void VelocityGate::cutPower(double now, const std::string& reason) {
+  fault(now, reason);
+  linear_.drop();
+  angular_.drop();
+  power_cut_ = true;
+}
+
 Velocity VelocityGate::wanted(double now) {
   joystick_.update(now);
   if (!emergency(now).empty()) {
@@ -139,6 +146,7 @@ Velocity VelocityGate::wanted(double now) {
   }
   if (joystick_.drives(now)) {
     state_ = GateState::kUser;
+    power_cut_ = false;
     return joystick_.velocity();
   }
   return requested(now);
