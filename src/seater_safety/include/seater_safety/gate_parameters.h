@@ -27,9 +27,9 @@ struct GateParameters {
   double emergency_stop_timeout = 0.0;
   double emergency_stop_reset = 0.0;
   double hold_to_run = 0.0;
-  double motion_delay = 0.8;
+  double motion_delay = 0.6;
   double motion_gain = 1.3;
-  double motion_speed = 0.08;
+  double motion_speed = 0.06;
   double motion_turning = 0.3;
   double motion_time = 0.15;
 
