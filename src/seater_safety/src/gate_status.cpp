@@ -20,6 +20,10 @@ std::string toString(GateState state) {
       return "emergency stop";
     case GateState::kFault:
       return "fault";
+    case GateState::kRunaway:
+      return "runaway, motors without power";
+    case GateState::kWrongDirection:
+      return "wrong direction, motors without power";
   }
   return "unknown";
 }

@@ -53,7 +53,7 @@ class MotionMonitorTest : public testing::Test {
     EXPECT_EQ(drive({}, duration), std::numeric_limits<double>::infinity());
     EXPECT_EQ(drive({-0.3, 0.8}, duration), std::numeric_limits<double>::infinity());
     EXPECT_EQ(drive({0.3, 0.0}, duration), std::numeric_limits<double>::infinity());
-    EXPECT_EQ(monitor_.fault(), "");
+    EXPECT_EQ(monitor_.fault().reason, "");
   }
 
   GateParameters p_;
@@ -95,7 +95,7 @@ TEST_F(MotionMonitorTest, ARunawayFromStandstillIsNoticed) {
   const double found = drive({}, 3.0, [](const Velocity&, const Velocity&) { return Velocity{0.4, 0.0}; });
   EXPECT_LE(found, 0.35);
   EXPECT_GE(found, p_.motion_time) << "not by a single value";
-  EXPECT_NE(monitor_.fault().find("drives at 0."), std::string::npos) << monitor_.fault();
+  EXPECT_NE(monitor_.fault().reason.find("drives at 0."), std::string::npos) << monitor_.fault().reason;
 }
 
 TEST_F(MotionMonitorTest, ARunawayInTheBayIsNoticed) {
@@ -105,7 +105,7 @@ TEST_F(MotionMonitorTest, ARunawayInTheBayIsNoticed) {
 
 TEST_F(MotionMonitorTest, ATurnThatNobodyAskedForIsNoticed) {
   EXPECT_LE(drive({}, 3.0, [](const Velocity&, const Velocity&) { return Velocity{0.0, -0.8}; }), 0.5);
-  EXPECT_NE(monitor_.fault().find("turns at -0."), std::string::npos) << monitor_.fault();
+  EXPECT_NE(monitor_.fault().reason.find("turns at -0."), std::string::npos) << monitor_.fault().reason;
 }
 
 TEST_F(MotionMonitorTest, AChairThatKeepsTheLastCommandIsNoticed) {
@@ -118,16 +118,88 @@ TEST_F(MotionMonitorTest, AChairThatKeepsTheLastCommandIsNoticed) {
   }
 }
 
+// Long before its speed would say so: 0.4 m/s are allowed for all of this time.
+TEST_F(MotionMonitorTest, AChairThatDoesNotSlowDownAsToldIsNoticed) {
+  drive({0.6, 0.0}, 4.0);
+  double v = 0.6;
+  double found = 0.0;
+  for (; found < 3.0 && monitor_.fault().reason.empty(); found += kStep, v = std::max(0.15, v - 0.3 * kStep)) {
+    drive({v, 0.0}, kStep, [](const Velocity&, const Velocity& moves) { return moves; });
+  }
+  EXPECT_LE(found, p_.motion_delay + 0.08 / 0.3 + 0.1 + 0.1);
+  EXPECT_NE(monitor_.fault().reason.find("does not slow down"), std::string::npos) << monitor_.fault().reason;
+  EXPECT_EQ(monitor_.fault().cause, GateState::kRunaway);
+}
+
+// A slow chair (delay 0.4 s, lag 0.3 s) that comes onto a ramp downhill while it slows down.
+TEST_F(MotionMonitorTest, OneThatSlowsDownLateAndLittleIsNot) {
+  delay_ = 0.4;
+  gain_ = 1.0;
+  for (const double rate : {0.25, 0.3, 0.4, 0.5}) {
+    drive({0.6, 0.0}, 4.0);
+    slope_ = 0.05;
+    for (double v = 0.6; v > 0.15; v -= rate * kStep) drive({v, 0.0}, kStep);
+    drive({0.15, 0.0}, 2.0);
+    slope_ = 0.0;
+    EXPECT_EQ(monitor_.fault().reason, "") << rate;
+  }
+}
+
+TEST_F(MotionMonitorTest, OdometryWithoutSpeedsBringsNoFault) {
+  const auto blind = [this](double) { return monitor_.measured(now_, {}); };
+  for (double v = 0.6; v > 0.0; v -= 0.5 * kStep, now_ += kStep) {
+    monitor_.sent(now_, {v, 0.0});
+    EXPECT_FALSE(blind(v));
+  }
+}
+
+TEST_F(MotionMonitorTest, OneMotorWithoutPowerIsNoticed) {
+  constexpr double kTrack = 0.56;
+  const auto right_alone = [](const Velocity& told, const Velocity&) {
+    const double right = told.linear + 0.5 * kTrack * told.angular;
+    return Velocity{0.5 * right, right / kTrack};
+  };
+  gain_ = 1.0;
+  for (const double v : {0.15, -0.15}) {
+    monitor_ = MotionMonitor(p_);
+    moves_ = {};
+    drive({v, 0.0}, 3.0);
+    EXPECT_LE(drive({v, 0.0}, 3.0, right_alone), delay_ + lag_ + 0.3 + 0.1) << v;
+    EXPECT_NE(monitor_.fault().reason.find("a motor without power"), std::string::npos) << monitor_.fault().reason;
+  }
+}
+
+// Castors that lie across turn a chair by up to 0.15 rad/s and take 0.025 m/s; a slope takes 0.03 m/s more.
+TEST_F(MotionMonitorTest, CastorsThatTurnTheChairAreNoMotorWithoutPower) {
+  gain_ = 1.0;
+  drive({0.15, 0.0}, 3.0);
+  const auto pushed = [](const Velocity& told, const Velocity&) { return Velocity{told.linear - 0.045, 0.15}; };
+  EXPECT_EQ(drive({0.15, 0.0}, 2.0, pushed), std::numeric_limits<double>::infinity()) << monitor_.fault().reason;
+}
+
+TEST_F(MotionMonitorTest, WhatSomebodyElseHasNoticedLastsAsLong) {
+  drive({}, 2.0);
+  EXPECT_TRUE(monitor_.told({GateState::kWrongDirection, "why"}));
+  EXPECT_FALSE(monitor_.told({GateState::kRunaway, "later"}));
+  EXPECT_EQ(monitor_.fault().cause, GateState::kWrongDirection);
+  drive({}, 0.9);
+  EXPECT_EQ(monitor_.fault().reason, "why");
+  drive({}, 0.3);
+  EXPECT_EQ(monitor_.fault().reason, "");
+  EXPECT_TRUE(monitor_.told({GateState::kRunaway, ""}));
+  EXPECT_NE(monitor_.fault().reason, "") << "a fault without words is one";
+}
+
 TEST_F(MotionMonitorTest, TheWrongWayIsNoticed) {
   const auto reversed = [](const Velocity& told, const Velocity&) { return Velocity{-told.linear, told.angular}; };
   EXPECT_LE(drive({0.1, 0.0}, 3.0, reversed), 1.6) << "too slow for a runaway";
-  EXPECT_NE(monitor_.fault().find("wrong way"), std::string::npos) << monitor_.fault();
+  EXPECT_NE(monitor_.fault().reason.find("wrong way"), std::string::npos) << monitor_.fault().reason;
 }
 
 TEST_F(MotionMonitorTest, TheWrongTurnIsNoticed) {
   const auto reversed = [](const Velocity& told, const Velocity&) { return Velocity{told.linear, -told.angular}; };
   EXPECT_LE(drive({0.0, 0.3}, 3.0, reversed), 1.8);
-  EXPECT_NE(monitor_.fault().find("told 0.30"), std::string::npos) << monitor_.fault();
+  EXPECT_NE(monitor_.fault().reason.find("told 0.30"), std::string::npos) << monitor_.fault().reason;
 }
 
 TEST_F(MotionMonitorTest, AFaultLastsUntilTheChairHasStoodForASecond) {
@@ -138,9 +210,9 @@ TEST_F(MotionMonitorTest, AFaultLastsUntilTheChairHasStoodForASecond) {
   drive({}, 0.06);
   moves_ = {};
   drive({}, 0.9);
-  EXPECT_NE(monitor_.fault(), "") << "it moved in between";
+  EXPECT_NE(monitor_.fault().reason, "") << "it moved in between";
   drive({}, 0.3);
-  EXPECT_EQ(monitor_.fault(), "");
+  EXPECT_EQ(monitor_.fault().reason, "");
 }
 
 TEST_F(MotionMonitorTest, WithoutOdometryItIsOff) {

@@ -129,7 +129,7 @@ class Sequence {
   }
 
   void cutPower() {
-    gate_.cutPower(now_, "fault");
+    gate_.cutPower(now_, GateState::kRunaway, "fault");
     model_.faulty = model_.powerless = true;
     previous_ = {};
     model_.look(now_);

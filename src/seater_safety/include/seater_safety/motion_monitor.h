@@ -2,16 +2,17 @@
 //
 // It needs no model of the motors, only bounds: a command acts after motion_delay at the latest; the chair is faster
 // than it was told by motion_gain and motion_speed (motion_turning) at most; it slows down by at least half of a_max
-// (alpha_max); told to go one way for a second, it does not go the other way.
+// (alpha_max), and by at least a third of what it is told to; told to go one way for a second, it does not go the other
+// way; both of its motors turn.
 #pragma once
 
 #include <array>
-#include <deque>
 #include <limits>
 #include <string>
 
 #include "seater_safety/gate_parameters.h"
 #include "seater_safety/gate_state.h"
+#include "seater_safety/speed_history.h"
 
 namespace seater_safety {
 
@@ -19,6 +20,12 @@ namespace seater_safety {
 constexpr double kOdometryTimeout = 0.5;  // [s]
 // So long the chair has to stand until a fault is over.
 constexpr double kStandTime = 1.0;  // [s]
+
+// How the motors disobey. `cause`: kRunaway or kWrongDirection; `reason` in words; empty: they obey.
+struct MotionFault {
+  GateState cause = GateState::kRunaway;
+  std::string reason;
+};
 
 class MotionMonitor {
  public:
@@ -29,22 +36,17 @@ class MotionMonitor {
   void sent(double now, const Velocity& velocity);
   // What odometry that arrives at `now` measures; not finite: not taken. True when it brings the fault.
   bool measured(double now, const Velocity& velocity);
+  // Somebody else has noticed `fault`. True when it is new.
+  bool told(const MotionFault& fault);
 
   // Whether there is odometry to watch.
   bool watches(double now) const { return now - measured_ <= kOdometryTimeout; }
-  // Empty, or what is wrong: from the time when it is noticed until the chair has stood for kStandTime.
-  const std::string& fault() const { return fault_; }
+  // What is wrong: from the time when it is noticed until the chair has stood for kStandTime.
+  const MotionFault& fault() const { return fault_; }
 
  private:
   static constexpr double kNever = std::numeric_limits<double>::infinity();
 
-  struct Sent {
-    double time;
-    Velocity velocity;
-  };
-  struct Range {
-    double least, most;
-  };
   struct Axis {
     double Velocity::*of;
     const char* moves;
@@ -58,17 +60,23 @@ class MotionMonitor {
   };
 
   void forget();
-  std::string judge(Axis& axis, double now, double elapsed, double speed);
-  Range sentWithin(double now, double duration, double Velocity::*of) const;
-  bool lasts(double& since, double now, bool wrong) const;
+  MotionFault judge(double now, double elapsed);
+  bool tooFast(Axis& axis, double now, double elapsed);
+  bool wrongWay(Axis& axis, double now);
+  bool keepsSpeed(double now);
+  bool oneMotorStands(double now);
+  MotionFault fault(const Axis& axis, double now, GateState cause, const char* why) const;
+  double least(const SpeedHistory::Range& range, double sign) const;
+  bool lasts(double& since, double now, bool wrong, double duration) const;
   void clearWhenStanding(double now, const Velocity& velocity);
 
   double delay_, gain_, time_;
   std::array<Axis, 2> axes_;
-  std::deque<Sent> sent_;  // of the last seconds, and the one before
+  SpeedHistory sent_, moves_;
+  double keeps_since_ = kNever, lame_since_ = kNever;  // [s] keepsSpeed, oneMotorStands
   double measured_ = -kNever;
   double stands_since_ = kNever;
-  std::string fault_;
+  MotionFault fault_;
 };
 
 }  // namespace seater_safety

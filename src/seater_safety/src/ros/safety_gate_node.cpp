@@ -35,6 +35,7 @@ SafetyGateNode::SafetyGateNode(const GateParameters& parameters, bool lock_step)
     timer_ = handle_.createSteadyTimer(ros::WallDuration(kPeriod), &SafetyGateNode::onTimer, this);
     odometry_ = handle_.subscribe("odom", 10, &SafetyGateNode::onOdometry, this, prompt);
     neighbours_.watch(odometry_);
+    motor_fault_ = handle_.subscribe("motor_fault", 10, &SafetyGateNode::onMotorFault, this, prompt);
     master_ = std::make_unique<MasterLink>();
     if (MasterLink::wasPressed()) gate_.emergencyStop(clocks_.now(), true);
   }
@@ -89,16 +90,25 @@ void SafetyGateNode::onSpeedLimit(const seater_msgs::SpeedLimit& message) {
 
 // Motors that do not obey are told to brake in vain: they lose their power at once.
 void SafetyGateNode::onOdometry(const nav_msgs::Odometry& message) {
+  if (motion_.measured(clocks_.now(), velocityOf(message.twist.twist))) cutPower();
+}
+
+void SafetyGateNode::onMotorFault(const seater_msgs::MotorFault& message) {
+  const bool wrong = message.state == seater_msgs::GateState::WRONG_DIRECTION;
+  const GateState cause = wrong ? GateState::kWrongDirection : GateState::kRunaway;
+  if (motion_.told({cause, message.reason})) cutPower();
+}
+
+void SafetyGateNode::cutPower() {
   const double now = clocks_.now();
-  if (!motion_.measured(now, velocityOf(message.twist.twist))) return;
-  gate_.cutPower(now, motion_.fault());
+  gate_.cutPower(now, motion_.fault().cause, motion_.fault().reason);
   out_.enable(false);
   send(now);
 }
 
 bool SafetyGateNode::onArm(ArmEvent& event) {
   seater_msgs::GateArm::Response& response = event.getResponse();
-  gate_.fault(clocks_.now(), faults());
+  noticeFaults();
   const auto refusal = gate_.arm(clocks_.now(), event.getCallerName());
   response.granted = static_cast<std::uint8_t>(!refusal.has_value());
   if (refusal) {
@@ -132,7 +142,7 @@ void SafetyGateNode::onLockStepTimer(const ros::TimerEvent&) {
 
 void SafetyGateNode::onSupervision(const ros::SteadyTimerEvent&) {
   const double now = clocks_.now();
-  gate_.fault(now, faults());
+  noticeFaults();
   gate_.expire(now);
   out_.enable(gate_.motorsEnabled(clocks_.now()));
   const GateStatus status = gate_.status(now);
@@ -150,8 +160,14 @@ void SafetyGateNode::send(double now) {
   silent_ = false;
 }
 
-std::string SafetyGateNode::faults() {
-  if (!motion_.fault().empty()) return motion_.fault();
+// The first of what is wrong round the gate.
+void SafetyGateNode::noticeFaults() {
+  const MotionFault& motion = motion_.fault();
+  const bool obeys = motion.reason.empty();
+  gate_.fault(clocks_.now(), obeys ? surroundings() : motion.reason, obeys ? GateState::kFault : motion.cause);
+}
+
+std::string SafetyGateNode::surroundings() {
   const std::string clock = clocks_.check();
   if (!clock.empty()) return clock;
   const std::string neighbours = neighbours_.check();

@@ -12,7 +12,7 @@ import rospy
 from driver import Driver, wait_until
 from nav_msgs.msg import Odometry
 
-from seater_msgs.msg import GateState
+from seater_msgs.msg import GateState, MotorFault
 
 SLACK = 0.3  # [s] for a loaded machine
 
@@ -59,15 +59,29 @@ def test_motors_that_do_not_obey_lose_their_power(driver: Driver, base: Base) ->
     base.runaway = 0.6
     wait_until(lambda: not driver.enabled[-1][1], "the power to be cut", 0.15 + SLACK)
     driver.expect_stop(0.05)
-    assert driver.state.state == GateState.FAULT and "drives at 0.60 m/s" in driver.state.reason
+    assert driver.state.state == GateState.RUNAWAY and "drives at 0.60 m/s" in driver.state.reason
     refusal = driver.arm()
-    assert not refusal.granted and refusal.state == GateState.FAULT
+    assert not refusal.granted and refusal.state == GateState.RUNAWAY
     driver.velocity = None
     wait_until(lambda: driver.state.state == GateState.STOPPED, "the fault to end", 1.0 + SLACK)
     cut = len(driver.enabled)
     time.sleep(0.5)
     assert not any(enabled for _, enabled in driver.enabled[cut:]), "it would run away again"
-    assert driver.state.stopped_by == GateState.FAULT
+    assert driver.state.stopped_by == GateState.RUNAWAY
     base.runaway = None
     driver.drive()
     assert driver.enabled[-1][1]
+
+
+def test_who_notices_it_may_tell_the_gate(driver: Driver, base: Base) -> None:
+    """A docking node that knows the chair's delay notices some of it earlier."""
+    publisher = rospy.Publisher("motor_fault", MotorFault, queue_size=1, tcp_nodelay=True)
+    wait_until(lambda: publisher.get_num_connections() > 0, "the gate to listen")
+    driver.drive()
+    publisher.publish(MotorFault(state=GateState.WRONG_DIRECTION, reason="told"))
+    wait_until(lambda: not driver.enabled[-1][1], "the power to be cut", SLACK)
+    driver.expect_stop(0.05)
+    assert (driver.state.state, driver.state.stop_reason) == (GateState.WRONG_DIRECTION, "told")
+    driver.velocity = None
+    wait_until(lambda: driver.state.state == GateState.STOPPED, "the fault to end", 1.0 + SLACK)
+    publisher.unregister()
