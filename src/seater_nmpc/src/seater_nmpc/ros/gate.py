@@ -59,10 +59,10 @@ class Gate:
             raise RefusedError(_code(answer.state), answer.reason)
         self._consent, self._confirmed, self._heard = answer.consent, False, time.monotonic()
 
-    def release(self, result: Result) -> None:
+    def release(self, result: Result | None = None) -> None:
         """The goal has ended. Motors that do not obey are told to stop in vain: the gate takes their power."""
         self._consent = 0
-        if result.code in MOTOR_FAULTS:
+        if result is not None and result.code in MOTOR_FAULTS:
             self._motor_fault.publish(MotorFault(state=MOTOR_FAULTS[result.code], reason=result.text))
 
     def on_state(self, message: GateState) -> Loss | None:
