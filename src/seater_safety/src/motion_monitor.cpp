@@ -124,9 +124,13 @@ bool MotionMonitor::keepsSpeed(double now) {
   for (double lag = 0.0; lag < delay_ + 0.5 * kLagStep; lag += kLagStep) {
     slower = std::min(slower, told(now - lag - kWindow) - told(now - lag));
   }
-  const double follows = forward * (moves_.at(now - kWindow).linear - speed);
+  // In the second half of the window, too: a late chair may have begun to slow down within it.
+  const auto follows = [this, now, forward, speed](double window) {
+    return forward * (moves_.at(now - window).linear - speed) / window;
+  };
+  const double least = kFollows * slower / kWindow;
   const bool known = moves_.reaches(now - kWindow) && sent_.reaches(now - delay_ - kWindow);
-  const bool keeps = known && slower >= kSlower && follows < kFollows * slower;
+  const bool keeps = known && slower >= kSlower && std::max(follows(kWindow), follows(0.5 * kWindow)) < least;
   return lasts(keeps_since_, now, keeps && std::abs(speed) > told(now) + kSlower, kKeepsTime);
 }
 
@@ -134,7 +138,8 @@ bool MotionMonitor::oneMotorStands(double now) {
   const Velocity moves = moves_.at(now);
   const double told = least(sent_.range(now - delay_, &Velocity::linear), sign(moves.linear));
   const SpeedHistory::Range turn = sent_.range(now - delay_, &Velocity::angular);
-  const double beyond = std::max(moves.angular - turn.most, turn.least - moves.angular);
+  // A chair that has not yet turned as far as it was told to is late.
+  const double beyond = std::max(moves.angular - std::max(turn.most, 0.0), std::min(turn.least, 0.0) - moves.angular);
   const double speed = std::abs(moves.linear), rate = std::abs(moves.angular);
   const bool turns = beyond >= kTurns && rate >= std::max(kTurns, kCurvature * speed);
   const bool lame = told >= kDriven && speed <= kHalf * told && turns && sent_.reaches(now - delay_);

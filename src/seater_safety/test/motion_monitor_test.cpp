@@ -7,6 +7,8 @@
 #include <deque>
 #include <functional>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "seater_safety/ramp.h"
 
@@ -145,6 +147,20 @@ TEST_F(MotionMonitorTest, OneThatSlowsDownLateAndLittleIsNot) {
   }
 }
 
+// Recorded: a worn chair (delay 0.43 s, lag 0.29 s) still speeds up by what it was told half a second ago.
+TEST_F(MotionMonitorTest, NorOneThatIsToldToSlowDownBeforeItHasSpedUp) {
+  const std::vector<std::pair<double, double>> measured = {
+      {22.98, 0.108}, {23.05, 0.136}, {23.14, 0.174}, {23.22, 0.210}, {23.29, 0.244}, {23.37, 0.277},
+      {23.46, 0.292}, {23.52, 0.292}, {23.61, 0.285}, {23.68, 0.269}, {23.77, 0.249}, {23.84, 0.228}};
+  double now = 21.98;
+  for (const auto& [time, v] : measured) {
+    for (; now < time; now += kStep) {
+      monitor_.sent(now, {std::min(0.405 - 0.5 * (22.78 - now), 0.405 - 0.46 * (now - 22.78)), 0.0});
+    }
+    EXPECT_FALSE(monitor_.measured(time, {v, 0.0})) << time << monitor_.fault().reason;
+  }
+}
+
 TEST_F(MotionMonitorTest, OdometryWithoutSpeedsBringsNoFault) {
   const auto blind = [this](double) { return monitor_.measured(now_, {}); };
   for (double v = 0.6; v > 0.0; v -= 0.5 * kStep, now_ += kStep) {
@@ -175,6 +191,14 @@ TEST_F(MotionMonitorTest, CastorsThatTurnTheChairAreNoMotorWithoutPower) {
   drive({0.15, 0.0}, 3.0);
   const auto pushed = [](const Velocity& told, const Velocity&) { return Velocity{told.linear - 0.045, 0.15}; };
   EXPECT_EQ(drive({0.15, 0.0}, 2.0, pushed), std::numeric_limits<double>::infinity()) << monitor_.fault().reason;
+}
+
+TEST_F(MotionMonitorTest, NorIsOneThatTurnsLate) {
+  delay_ = 0.4;
+  gain_ = 0.6;
+  drive({0.2, 0.8}, 3.0);
+  drive({0.2, -0.8}, 3.0);
+  EXPECT_EQ(monitor_.fault().reason, "");
 }
 
 TEST_F(MotionMonitorTest, WhatSomebodyElseHasNoticedLastsAsLong) {
