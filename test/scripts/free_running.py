@@ -18,7 +18,7 @@ def fail(*words: str) -> subprocess.CompletedProcess[str]:
 class FreeRunning(DockingCase):
     simulator = "/plant"
 
-    def test_a_covered_marker_and_a_docking(self) -> None:
+    def test_a_covered_marker_a_runaway_and_a_docking(self) -> None:
         refused = fail("camera", "tired")
         self.assertEqual(refused.returncode, 1)
         self.assertIn("camera has no fault 'tired'", refused.stderr)
@@ -31,6 +31,13 @@ class FreeRunning(DockingCase):
         self.assert_standing()
 
         self.assertEqual(fail("camera", "clear").returncode, 0)
+        self.client.send()
+        self.assertEqual(fail("plant", "runaway", "0.4").returncode, 0)
+        disobeyed = self.result()
+        self.assertEqual(disobeyed.result_code, DockResult.RUNAWAY, disobeyed.result_text)
+        self.assert_standing()
+
+        self.assertEqual(fail("plant", "clear").returncode, 0)
         self.client.send()
         result = self.result()
         self.assertEqual(result.result_code, DockResult.SUCCESS, result.result_text)

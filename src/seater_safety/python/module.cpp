@@ -1,10 +1,11 @@
-// Python module seater_safety: the velocity gate that the node safety_gate runs, for simulations without ROS. Meanings,
-// units and what is refused: velocity_gate.h.
+// Python module seater_safety: the velocity gate and the motion monitor that the node safety_gate runs, for simulations
+// without ROS. Meanings, units and what is refused: velocity_gate.h, motion_monitor.h.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
 #include <map>
 
+#include "seater_safety/motion_monitor.h"
 #include "seater_safety/velocity_gate.h"
 
 namespace ss = seater_safety;
@@ -47,7 +48,9 @@ void bindGate(py::module_& m) {
       .value("STALE", ss::GateState::kStale)
       .value("REFUSED", ss::GateState::kRefused)
       .value("EMERGENCY_STOP", ss::GateState::kEmergencyStop)
-      .value("FAULT", ss::GateState::kFault);
+      .value("FAULT", ss::GateState::kFault)
+      .value("RUNAWAY", ss::GateState::kRunaway)
+      .value("WRONG_DIRECTION", ss::GateState::kWrongDirection);
   py::class_<ss::VelocityGate>(m, "VelocityGate",
                                "The last gate before the motors. Speeds (v [m/s], omega [rad/s]), times [s].")
       .def(py::init([](const py::kwargs& values) {
@@ -89,10 +92,40 @@ void bindGate(py::module_& m) {
       .def_property_readonly("limited", &ss::VelocityGate::limited, "outputs that a speed limit changed");
 }
 
+void bindMonitor(py::module_& m) {
+  py::class_<ss::MotionMonitor>(
+      m, "MotionMonitor", "Whether the chair moves as it was told to. Speeds (v [m/s], omega [rad/s]), times [s].")
+      .def(py::init([](const py::kwargs& values) {
+             const ss::GateParameters parameters = parametersOf(values.cast<std::map<std::string, double>>());
+             const std::string problem = parameters.check();
+             if (!problem.empty()) throw py::value_error(problem);
+             return ss::MotionMonitor(parameters);
+           }),
+           "Takes every parameter of the gate by name. Raises ValueError: missing, unknown or out of range.")
+      .def(
+          "sent",
+          [](ss::MotionMonitor& monitor, double now, double v, double omega) {
+            monitor.sent(now, {v, omega});
+          },
+          "now"_a, "v"_a, "omega"_a, "What the motors are told.")
+      .def(
+          "measured",
+          [](ss::MotionMonitor& monitor, double now, double v, double omega) {
+            return monitor.measured(now, {v, omega});
+          },
+          "now"_a, "v"_a, "omega"_a, "What the odometry says; True when it brings the fault.")
+      .def_property_readonly(
+          "cause", [](const ss::MotionMonitor& monitor) { return monitor.fault().cause; }, "RUNAWAY or WRONG_DIRECTION")
+      .def_property_readonly(
+          "reason", [](const ss::MotionMonitor& monitor) { return monitor.fault().reason; },
+          "What is wrong, in words; empty: nothing.");
+}
+
 }  // namespace
 
 PYBIND11_MODULE(seater_safety, m) {
-  m.doc() = "The velocity gate before the motors (docs/safety.md).";
+  m.doc() = "The velocity gate before the motors and the motion monitor (docs/safety.md).";
   m.def("describe_parameters", &describeParameters, "Key, default, unit, range and meaning of every parameter.");
   bindGate(m);
+  bindMonitor(m);
 }

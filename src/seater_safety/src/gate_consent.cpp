@@ -17,7 +17,7 @@ std::optional<Refusal> VelocityGate::arm(double now, const std::string& holder) 
   joystick_.update(now);
   const std::string emergency_stop = emergency(now);
   if (!emergency_stop.empty()) return Refusal{GateState::kEmergencyStop, emergency_stop};
-  if (!fault_.empty()) return Refusal{GateState::kFault, fault_};
+  if (!fault_.empty()) return Refusal{fault_state_, fault_};
   if (joystick_.deflected(now)) return Refusal{GateState::kUser, "the joystick is deflected"};
   if (!holds(now)) return Refusal{GateState::kUser, "hold-to-run is not held"};
   if (consent_.held() && !consent_.heldBy(holder)) {
@@ -28,6 +28,7 @@ std::optional<Refusal> VelocityGate::arm(double now, const std::string& holder) 
     return Refusal{GateState::kStopped, "velocity requests other than zero still come in"};
   }
   consent_.give(holder);
+  power_cut_ = false;
   unused_.clear();
   request_ = {};
   request_seen_ = false;

@@ -50,6 +50,11 @@ const std::vector<GateParameter>& gateParameters() {
        "1: an emergency stop lasts until it is reset by the service gate_reset; 0: until it is released"},
       {"safety", "hold_to_run", &P::hold_to_run, "", 0.0, 1.0,
        "1: requests pass only while hold_to_run is told true, silence of user_timeout counts as let go; 0: without"},
+      {"safety", "motion_delay", &P::motion_delay, "s", 0.2, 2.0, "a command acts after this at the latest"},
+      {"safety", "motion_gain", &P::motion_gain, "", 1.0, 2.0, "speed over command up to which nothing is wrong"},
+      {"safety", "motion_speed", &P::motion_speed, "m/s", 0.02, 0.3, "and beyond that the speed that is a fault"},
+      {"safety", "motion_turning", &P::motion_turning, "rad/s", 0.05, 1.0, "the same for turning"},
+      {"safety", "motion_time", &P::motion_time, "s", 0.05, 0.5, "how long it has to last"},
   };
   return all;
 }

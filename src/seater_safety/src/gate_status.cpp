@@ -20,6 +20,10 @@ std::string toString(GateState state) {
       return "emergency stop";
     case GateState::kFault:
       return "fault";
+    case GateState::kRunaway:
+      return "runaway, motors without power";
+    case GateState::kWrongDirection:
+      return "wrong direction, motors without power";
   }
   return "unknown";
 }
@@ -32,6 +36,7 @@ std::string VelocityGate::reason(double now) const {
   if (joystick_.deflected(now)) return "the joystick has to be let go before it drives";
   if (consent_.held()) return unused_.empty() ? consent_.holder() + " drives" : unused_;
   if (insistent(now) && !unused_.empty()) return unused_;
+  if (power_cut_) return "the motors' power is cut until somebody drives anew, as they did not obey";
   return consent_.reason();
 }
 

@@ -117,12 +117,20 @@ void VelocityGate::speedLimit(double from, double limit) {
   if (!zone_.told(from, limit)) ++refused_;
 }
 
-void VelocityGate::fault(double now, const std::string& reason) {
+void VelocityGate::fault(double now, const std::string& reason, GateState cause) {
   notice(now);
   fault_ = reason;
+  fault_state_ = cause;
   if (reason.empty()) return;
-  stop(now, GateState::kFault, reason);
+  stop(now, cause, reason);
   joystick_.lock(now);
+}
+
+void VelocityGate::cutPower(double now, GateState cause, const std::string& reason) {
+  fault(now, reason, cause);
+  linear_.drop();
+  angular_.drop();
+  power_cut_ = true;
 }
 
 Velocity VelocityGate::wanted(double now) {
@@ -133,12 +141,13 @@ Velocity VelocityGate::wanted(double now) {
     return {};
   }
   if (!fault_.empty()) {
-    state_ = GateState::kFault;
+    state_ = fault_state_;
     joystick_.lock(now);
     return {};
   }
   if (joystick_.drives(now)) {
     state_ = GateState::kUser;
+    power_cut_ = false;
     return joystick_.velocity();
   }
   return requested(now);

@@ -81,6 +81,37 @@ TEST_F(ConsentTest, AJumpOfTheClockEndsIt) {
   expectLatched(GateState::kFault);
 }
 
+// Motors that do not obey: they get their power back with the next goal, and not with the end of the fault.
+TEST_F(ConsentTest, WithItsEndThePowerIsCutUntilTheNext) {
+  drive();
+  gate_.cutPower(now_, GateState::kWrongDirection, "drives backward");
+  EXPECT_FALSE(gate_.motorsEnabled(now_));
+  const Velocity output = gate_.output(now_);
+  EXPECT_TRUE(output.linear == 0.0 && output.angular == 0.0) << "at once, not braked";
+  EXPECT_EQ(gate_.state(), GateState::kWrongDirection);
+  EXPECT_EQ(gate_.arm(now_, kDocking)->state, GateState::kWrongDirection) << "who asks is told the cause";
+  gate_.fault(now_, "");
+  wait(1.0);
+  EXPECT_EQ(gate_.state(), GateState::kStopped);
+  EXPECT_FALSE(gate_.motorsEnabled(now_));
+  EXPECT_NE(gate_.status(now_).reason.find("power is cut"), std::string::npos);
+  expectLatched(GateState::kWrongDirection);
+  EXPECT_TRUE(gate_.motorsEnabled(now_));
+}
+
+TEST_F(ConsentTest, ThePowerThatWasCutIsBackWhenTheJoystickDrivesAgain) {
+  gate_.cutPower(now_, GateState::kRunaway, "runs away");
+  for (int i = 0; i < 50; ++i, wait(0.02)) gate_.user(now_, kForward);
+  gate_.fault(now_, "");
+  gate_.user(now_, kForward);
+  EXPECT_EQ(wait(0.1).linear, 0.0) << "it has to be let go first";
+  EXPECT_FALSE(gate_.motorsEnabled(now_));
+  gate_.user(now_, {});
+  gate_.user(now_, kForward);
+  EXPECT_GT(wait(0.1).linear, 0.0);
+  EXPECT_TRUE(gate_.motorsEnabled(now_));
+}
+
 TEST_F(ConsentTest, ANewGoalOfTheSameNodeTakesOver) {
   drive();
   ASSERT_TRUE(arm());

@@ -23,7 +23,8 @@ struct Model {
   double zone = 0.0, zone_from = -1e9;  // largest speed here, and since when
   bool hold = false;                    // hold-to-run, as it was said last
   double hold_at = -1e9;
-  bool let_go = false;  // since the last stop
+  bool powerless = false;  // cut, and nobody drives since
+  bool let_go = false;     // since the last stop
   double locked_at = 0.0;
 
   bool emergency(double now) const {

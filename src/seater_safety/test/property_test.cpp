@@ -71,8 +71,10 @@ class Sequence {
       user(chance(0.6) ? Velocity{uniform(-0.002, 0.002), 0.0} : draw());
     } else if (kind < 0.75) {
       press(chance(0.3));
-    } else if (kind < 0.80) {
+    } else if (kind < 0.79) {
       fault(chance(0.3));
+    } else if (kind < 0.80) {
+      cutPower();
     } else if (kind < 0.81) {
       zone(chance(0.9) ? uniform(0.0, 1.0) : -1.0);
     } else if (kind < 0.83) {
@@ -126,6 +128,13 @@ class Sequence {
     model_.look(now_);
   }
 
+  void cutPower() {
+    gate_.cutPower(now_, GateState::kRunaway, "fault");
+    model_.faulty = model_.powerless = true;
+    previous_ = {};
+    model_.look(now_);
+  }
+
   void holdToRun(bool held) {
     gate_.holdToRun(now_, held);
     model_.hold = held;
@@ -151,6 +160,7 @@ class Sequence {
     }
     if (!granted) return;
     model_.holder = holder;
+    model_.powerless = false;
     model_.accepted = now_;
     model_.asks = model_.awry = false;
     model_.zero = true;
@@ -177,6 +187,7 @@ class Sequence {
     now_ += duration;
     const Velocity output = gate_.output(now_);
     model_.look(now_);
+    if (!model_.stopped(now_) && model_.userDrives(now_)) model_.powerless = false;
     const std::string wrong = judge(output, std::min(duration, 0.1) + 1e-9);
     previous_ = output;
     return wrong;
@@ -195,6 +206,7 @@ class Sequence {
     if (std::abs(output.angular - previous_.angular) > std::max(p.alpha_max, p.alpha_stop) * duration) {
       return "change of turning";
     }
+    if (model_.powerless && gate_.motorsEnabled(now_)) return "power though it was cut";
     if (model_.mayMove(now_)) return {};
     const double brake = std::min(std::abs(previous_.linear), 0.999 * p.a_stop * (duration - 1e-9));
     if (slower < brake - 1e-9) return "does not brake though nobody may move it";

@@ -27,6 +27,11 @@ struct GateParameters {
   double emergency_stop_timeout = 0.0;
   double emergency_stop_reset = 0.0;
   double hold_to_run = 0.0;
+  double motion_delay = 0.6;
+  double motion_gain = 1.3;
+  double motion_speed = 0.06;
+  double motion_turning = 0.3;
+  double motion_time = 0.15;
 
   // Empty when all values can be used; else key and value of the first wrong one and what is allowed.
   std::string check() const;

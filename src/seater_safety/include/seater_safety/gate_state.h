@@ -14,6 +14,9 @@ enum class GateState : std::uint8_t {
   kRefused = 4,        // a request was not finite: braking
   kEmergencyStop = 5,  // pressed
   kFault = 6,          // something round the gate is wrong, see the reason
+  // The motors do not obey, and have no power:
+  kRunaway = 7,         // faster than told
+  kWrongDirection = 8,  // the other way than told
 };
 
 std::string toString(GateState state);

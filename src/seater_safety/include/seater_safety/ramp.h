@@ -17,6 +17,8 @@ class Ramp {
 
   // The speed after `duration` [s], which is at most kLongestStep of the gate.
   double advance(double wanted, double duration);
+  // Zero at once, without braking: the motors have no power.
+  void drop() { speed_ = acceleration_ = 0.0; }
   double speed() const { return speed_; }
 
  private:

@@ -60,16 +60,23 @@ class VelocityGate {
   // The largest speed [m/s] where the chair is, both ways and whoever drives, from the time `from` [s] on; see
   // SpeedZone.
   void speedLimit(double from, double limit);
-  // Something round the gate is wrong: zero until `reason` is empty again.
-  void fault(double now, const std::string& reason);
+  // Something round the gate is wrong: zero until `reason` is empty again. `cause`: the state that says so.
+  void fault(double now, const std::string& reason, GateState cause = GateState::kFault);
+  // The same when the motors do not obey: zero at once, and no power for them until somebody drives anew after the end
+  // of the fault. A base that runs away by itself would start again with each try. `cause`: kRunaway or
+  // kWrongDirection.
+  void cutPower(double now, GateState cause, const std::string& reason);
 
   // Ends the consent when its holder was silent for too long; `output` does the same.
   void expire(double now);
   // The velocity for the motors at `now` [s]. To be called after each input and at a steady rate without inputs.
   Velocity output(double now);
 
-  // Whether the motors may have power: not during an emergency stop or a fault, once the output is zero.
-  bool motorsEnabled(double now) const { return moving() || (emergency(now).empty() && fault_.empty()); }
+  // Whether the motors may have power: not during an emergency stop or a fault, once the output is zero; see
+  // also cutPower.
+  bool motorsEnabled(double now) const {
+    return !power_cut_ && (moving() || (emergency(now).empty() && fault_.empty()));
+  }
 
   GateState state() const { return state_; }
   GateStatus status(double now) const;
@@ -107,6 +114,8 @@ class VelocityGate {
   double pressed_time_ = 0.0;  // of the last message, or of the start
   bool reset_due_ = false;
   std::string fault_;
+  GateState fault_state_ = GateState::kFault;
+  bool power_cut_ = false;
   SpeedZone zone_;
   Ramp linear_, angular_;
   double last_time_ = 0.0;

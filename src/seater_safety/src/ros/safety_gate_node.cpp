@@ -19,7 +19,7 @@ Velocity velocityOf(const geometry_msgs::Twist& message) {
 }  // namespace
 
 SafetyGateNode::SafetyGateNode(const GateParameters& parameters, bool lock_step)
-    : clocks_(lock_step), gate_(parameters), out_(handle_), neighbours_(handle_) {
+    : clocks_(lock_step), gate_(parameters), motion_(parameters), out_(handle_), neighbours_(handle_) {
   const ros::TransportHints prompt = ros::TransportHints().tcpNoDelay();
   request_ = handle_.subscribe("velocity_request", 10, &SafetyGateNode::onRequest, this, prompt);
   user_ = handle_.subscribe("user_cmd_vel", 1, &SafetyGateNode::onUser, this, prompt);
@@ -33,6 +33,9 @@ SafetyGateNode::SafetyGateNode(const GateParameters& parameters, bool lock_step)
     lock_step_timer_ = handle_.createTimer(ros::Duration(kPeriod), &SafetyGateNode::onLockStepTimer, this);
   } else {
     timer_ = handle_.createSteadyTimer(ros::WallDuration(kPeriod), &SafetyGateNode::onTimer, this);
+    odometry_ = handle_.subscribe("odom", 10, &SafetyGateNode::onOdometry, this, prompt);
+    neighbours_.watch(odometry_);
+    motor_fault_ = handle_.subscribe("motor_fault", 10, &SafetyGateNode::onMotorFault, this, prompt);
     master_ = std::make_unique<MasterLink>();
     if (MasterLink::wasPressed()) gate_.emergencyStop(clocks_.now(), true);
   }
@@ -85,9 +88,27 @@ void SafetyGateNode::onSpeedLimit(const seater_msgs::SpeedLimit& message) {
   gate_.speedLimit(from, message.v_max);
 }
 
+// Motors that do not obey are told to brake in vain: they lose their power at once.
+void SafetyGateNode::onOdometry(const nav_msgs::Odometry& message) {
+  if (motion_.measured(clocks_.now(), velocityOf(message.twist.twist))) cutPower();
+}
+
+void SafetyGateNode::onMotorFault(const seater_msgs::MotorFault& message) {
+  const bool wrong = message.state == seater_msgs::GateState::WRONG_DIRECTION;
+  const GateState cause = wrong ? GateState::kWrongDirection : GateState::kRunaway;
+  if (motion_.told({cause, message.reason})) cutPower();
+}
+
+void SafetyGateNode::cutPower() {
+  const double now = clocks_.now();
+  gate_.cutPower(now, motion_.fault().cause, motion_.fault().reason);
+  out_.enable(false);
+  send(now);
+}
+
 bool SafetyGateNode::onArm(ArmEvent& event) {
   seater_msgs::GateArm::Response& response = event.getResponse();
-  gate_.fault(clocks_.now(), faults());
+  noticeFaults();
   const auto refusal = gate_.arm(clocks_.now(), event.getCallerName());
   response.granted = static_cast<std::uint8_t>(!refusal.has_value());
   if (refusal) {
@@ -121,7 +142,7 @@ void SafetyGateNode::onLockStepTimer(const ros::TimerEvent&) {
 
 void SafetyGateNode::onSupervision(const ros::SteadyTimerEvent&) {
   const double now = clocks_.now();
-  gate_.fault(now, faults());
+  noticeFaults();
   gate_.expire(now);
   out_.enable(gate_.motorsEnabled(clocks_.now()));
   const GateStatus status = gate_.status(now);
@@ -131,13 +152,22 @@ void SafetyGateNode::onSupervision(const ros::SteadyTimerEvent&) {
 }
 
 void SafetyGateNode::send(double now) {
-  out_.command(gate_.output(now), last_stamp_);
+  const Velocity velocity = gate_.output(now);
+  motion_.sent(now, velocity);
+  out_.command(velocity, last_stamp_);
   out_.stateIfChanged(gate_.status(now), consent_);
   last_output_ = now;
   silent_ = false;
 }
 
-std::string SafetyGateNode::faults() {
+// The first of what is wrong round the gate.
+void SafetyGateNode::noticeFaults() {
+  const MotionFault& motion = motion_.fault();
+  const bool obeys = motion.reason.empty();
+  gate_.fault(clocks_.now(), obeys ? surroundings() : motion.reason, obeys ? GateState::kFault : motion.cause);
+}
+
+std::string SafetyGateNode::surroundings() {
   const std::string clock = clocks_.check();
   if (!clock.empty()) return clock;
   const std::string neighbours = neighbours_.check();
@@ -151,6 +181,8 @@ void SafetyGateNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& statu
   const bool fault = state != GateState::kStopped && state != GateState::kRequest && state != GateState::kUser;
   status.summary(fault ? DiagnosticStatus::WARN : DiagnosticStatus::OK, toString(state));
   status.add("reason", gate_.status(clocks_.now()).reason);
+  const bool watched = motion_.watches(clocks_.now());
+  status.add("motion monitor", watched ? "on" : clocks_.lockStep() ? "off in lock-step" : "off: no odometry");
   status.add("requests refused (not finite)", gate_.refused());
   status.add("requests ignored (no consent, stamp)", gate_.ignored());
   status.add("outputs limited", gate_.limited());

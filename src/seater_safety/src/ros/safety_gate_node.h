@@ -1,6 +1,7 @@
 // ROS shell of the velocity gate. Topics and service (relative):
 //   in   velocity_request (geometry_msgs/TwistStamped), user_cmd_vel (geometry_msgs/Twist),
-//        emergency_stop and hold_to_run (std_msgs/Bool), speed_limit (seater_msgs/SpeedLimit);
+//        emergency_stop and hold_to_run (std_msgs/Bool), speed_limit (seater_msgs/SpeedLimit),
+//        not in lock-step: odom (nav_msgs/Odometry), motor_fault (seater_msgs/MotorFault);
 //        gate_arm (seater_msgs/GateArm): consent for one goal, of the calling node;
 //        gate_reset (std_srvs/Trigger): after an emergency stop
 //   out  cmd_vel (geometry_msgs/Twist), cmd_vel_stamped (geometry_msgs/TwistStamped, with the request's stamp),
@@ -9,8 +10,10 @@
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
+#include <nav_msgs/Odometry.h>
 #include <ros/ros.h>
 #include <seater_msgs/GateArm.h>
+#include <seater_msgs/MotorFault.h>
 #include <seater_msgs/SpeedLimit.h>
 #include <std_msgs/Bool.h>
 #include <std_srvs/Trigger.h>
@@ -21,6 +24,7 @@
 #include "master_link.h"
 #include "neighbours.h"
 #include "outputs.h"
+#include "seater_safety/motion_monitor.h"
 #include "seater_safety/velocity_gate.h"
 
 namespace seater_safety {
@@ -41,6 +45,8 @@ class SafetyGateNode {
   void onEmergencyStop(const std_msgs::Bool& message);
   void onHold(const std_msgs::Bool& message);
   void onSpeedLimit(const seater_msgs::SpeedLimit& message);
+  void onOdometry(const nav_msgs::Odometry& message);
+  void onMotorFault(const seater_msgs::MotorFault& message);
   bool onArm(ArmEvent& event);
   bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   // Outputs at a constant rate, also while standing: silence of the gate means a fault.
@@ -50,16 +56,19 @@ class SafetyGateNode {
   void onSupervision(const ros::SteadyTimerEvent&);
 
   void send(double now);
-  std::string faults();
+  void cutPower();
+  void noticeFaults();
+  std::string surroundings();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ros::NodeHandle handle_;
   Clocks clocks_;
   VelocityGate gate_;
+  MotionMonitor motion_;
   Outputs out_;
   Neighbours neighbours_;
   std::unique_ptr<MasterLink> master_;  // in lock-step none: how fast it answers depends on the machine
-  ros::Subscriber request_, user_, emergency_stop_, speed_limit_, hold_;
+  ros::Subscriber request_, user_, emergency_stop_, speed_limit_, hold_, odometry_, motor_fault_;
   ros::ServiceServer arm_, reset_;
   ros::Timer lock_step_timer_;
   ros::SteadyTimer timer_, supervision_;

@@ -157,3 +157,15 @@ def test_halt_stands_at_once_and_forgets() -> None:
     for _ in range(20):
         plant.step(STEP)
     assert plant.pose.tolist() == pose.tolist()
+
+
+def test_without_power_it_brakes_within_its_limits() -> None:
+    plant = make(lag_v=0.2, command_delay=0.3)
+    run(plant, 500, 0.5, 0.2)
+    plant.power(False)
+    rows = run(plant, 100, 0.5, 0.2)
+    slower = 0.01 * np.arange(1, 101)[:, None] * [LIMITS.a_max, LIMITS.alpha_max]
+    np.testing.assert_allclose(rows, np.maximum(0.0, [0.5, 0.2] - slower), atol=1e-6)
+    plant.power(True)
+    assert run(plant, 29, 0.5, 0.0)[-1, 0] == 0.0, "what was asked without power is lost"
+    assert run(plant, 50, 0.5, 0.0)[-1, 0] > 0.1

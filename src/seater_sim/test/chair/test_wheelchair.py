@@ -253,3 +253,31 @@ def test_with_all_effects_the_same_seed_gives_the_same_bits() -> None:
 
     assert run(4) == run(4)
     assert run(4) != run(5)
+
+
+def test_without_power_the_brakes_stop_it_whatever_is_asked() -> None:
+    """After 0.1 s, by the ramp's deceleration, without delay and lag; commands meanwhile are lost."""
+    motor = {"deceleration": 1.5, "turn_deceleration": 3.0, "lag_v": 0.2, "lag_omega": 0.2}
+    plant = make(only(command={"delay": 0.3}, motor=motor))
+    before = drive(plant, 500, 0.6, 0.3)[-1]
+    assert before == pytest.approx((0.6, 0.3), abs=1e-6)
+    plant.power(False)
+    speeds = drive(plant, 60, 0.6, 0.3)
+    np.testing.assert_allclose(speeds[:10], [before] * 10, atol=1e-6)
+    slowing = [max(0.0, 0.6 - 1.5 * SECONDS * (k + 0.5)) for k in range(40)]  # means of each step
+    assert [v for v, _ in speeds[10:50]] == pytest.approx(slowing, abs=1e-6)
+    assert speeds[20] == pytest.approx((0.6 - 1.5 * 0.105, 0.0), abs=1e-6), "3 rad/s^2 take 0.1 s"
+    assert speeds[-1] == (0.0, 0.0)
+    plant.power(True)
+    assert plant.v == 0.0 and drive(plant, 29, 0.6)[-1] == (0.0, 0.0), "what was asked without power is lost"
+    assert drive(plant, 50, 0.6)[-1][0] > 0.3
+
+
+def test_the_next_loss_of_power_begins_anew() -> None:
+    plant = make(only(motor={"deceleration": 1.5}))
+    for _ in range(2):
+        drive(plant, 20, 0.3)
+        plant.power(False)
+        assert [v for v, _ in drive(plant, 10)] == pytest.approx([0.3] * 10)
+        drive(plant, 30)
+        plant.power(True)

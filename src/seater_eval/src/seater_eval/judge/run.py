@@ -51,11 +51,13 @@ class Job:
 
 @dataclass(frozen=True)
 class Log:
-    """What happened in a run, for the figure: the motion, commands (time, v, omega), estimates (see Driver)."""
+    """What happened in a run: the motion, commands (time, v, omega), estimates (see Driver), and the odometry as it
+    arrived (time of arrival, v, omega)."""
 
     motion: Motion
     commands: Array
     estimates: Array
+    odometry: Array
 
 
 def run_job(job: Job) -> dict[str, Any]:
@@ -115,6 +117,7 @@ class _Loop:
         self._images: list[tuple[float, Any, Any]] = []
         self._rows: list[list[float]] = []
         self._commands: list[list[float]] = []
+        self._heard: list[list[float]] = []
         self._ended = math.inf
 
     def _make_driver(self, rng: np.random.Generator) -> Driver:
@@ -171,6 +174,7 @@ class _Loop:
             self.driver.image(*self._images.pop(0))
         self._odometry.look(now, chair.rolled)
         messages = [self._injector.odometry(message) for message in self._odometry.messages(now)]
+        self._heard += [[now, message.v, message.omega] for message in messages]
         asked = [self.driver.odometry(message, chair) for message in messages]
         for command in [*asked, self.driver.time(now, chair)]:
             if command is not None:
@@ -183,7 +187,8 @@ class _Loop:
         rows[:, 0] -= _BEGIN
         commands = np.array(self._commands).reshape(-1, 3) - [_BEGIN, 0.0, 0.0]
         estimates = np.array(self.driver.estimates).reshape(-1, 6) - [_BEGIN, 0.0, 0.0, 0.0, 0.0, 0.0]
-        return Log(Motion(rows[:, 0], rows[:, 1:4], rows[:, 4:6]), commands, estimates)
+        heard = np.array(self._heard).reshape(-1, 3) - [_BEGIN, 0.0, 0.0]
+        return Log(Motion(rows[:, 0], rows[:, 1:4], rows[:, 4:6]), commands, estimates, heard)
 
     def after_fault(self) -> dict[str, float | None]:
         """Time from the fault's beginning to the result [s], and the true way driven from then on [m]."""

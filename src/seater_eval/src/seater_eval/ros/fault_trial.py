@@ -8,11 +8,13 @@ from __future__ import annotations
 import json
 import math
 import os
+import signal
 import sys
 import time
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import rospy
@@ -180,8 +182,15 @@ NAMES = {
 }  # of the result codes
 
 
+def _end_in_order(number: int, frame: FrameType | None) -> None:
+    """SIGTERM: once, and what was launched is ended on the way out."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    raise SystemExit(1)
+
+
 def main(arguments: list[str]) -> int:
     """Program entry."""
+    signal.signal(signal.SIGTERM, _end_in_order)
     number, place, folder = int(arguments[0]), arguments[1], Path(arguments[2])
     log = folder / f"fault_{number}_{place}"
     chair = LaunchProcess("seater_bringup", "simulated_chair.launch", START, log.with_suffix(".chair.log"))

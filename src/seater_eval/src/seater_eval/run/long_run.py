@@ -43,12 +43,14 @@ def run_long(
         done = sum(index < len(jobs) for index in keep.done)
         return f"{done} of {len(jobs)} parts are kept in {partial}; the same command continues from there"
 
-    with _exit_when_interrupted(progress):
+    with exit_when_interrupted(progress):
         return run_jobs(function, jobs, label=label, workers=workers, keep=keep, spread=spread)
 
 
 @contextmanager
-def _exit_when_interrupted(progress: Callable[[], str]) -> Iterator[None]:
+def exit_when_interrupted(progress: Callable[[], str]) -> Iterator[None]:
+    """Ctrl-C and SIGTERM end the program with INTERRUPTED; `progress()` says how far it came."""
+
     def interrupt(number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
 

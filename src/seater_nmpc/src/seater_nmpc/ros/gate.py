@@ -10,14 +10,20 @@ from typing import Any
 
 import rospy
 
-from seater_msgs.msg import GateState
+from seater_msgs.msg import GateState, MotorFault
 from seater_msgs.srv import GateArm, GateArmResponse
 from seater_nmpc.ros.goal_checks import RefusedError
-from seater_nmpc.sequence.results import ResultCode
+from seater_nmpc.sequence.results import Result, ResultCode
 
 PATIENCE = 1.0  # [s] of wall time: longest silence of the gate, and longest wait for its answer
 
-CODES = {GateState.USER: ResultCode.STOPPED_BY_USER, GateState.EMERGENCY_STOP: ResultCode.EMERGENCY_STOP}
+CODES = {
+    GateState.USER: ResultCode.STOPPED_BY_USER,
+    GateState.EMERGENCY_STOP: ResultCode.EMERGENCY_STOP,
+    GateState.RUNAWAY: ResultCode.RUNAWAY,
+    GateState.WRONG_DIRECTION: ResultCode.WRONG_DIRECTION,
+}
+MOTOR_FAULTS = {CODES[state]: state for state in (GateState.RUNAWAY, GateState.WRONG_DIRECTION)}
 
 
 @dataclass(frozen=True)
@@ -36,6 +42,7 @@ class Gate:
         simulator waits for the slowest."""
         self._lock_step = lock_step
         self._consent, self._confirmed, self._heard = 0, False, 0.0
+        self._motor_fault = rospy.Publisher("motor_fault", MotorFault, queue_size=10, tcp_nodelay=True)
         self._service = rospy.ServiceProxy("gate_arm", GateArm)
         rospy.Subscriber("gate_state", GateState, lambda m: enqueue("gate", m), queue_size=10, tcp_nodelay=True)
 
@@ -52,9 +59,11 @@ class Gate:
             raise RefusedError(_code(answer.state), answer.reason)
         self._consent, self._confirmed, self._heard = answer.consent, False, time.monotonic()
 
-    def release(self) -> None:
-        """The goal has ended."""
+    def release(self, result: Result | None = None) -> None:
+        """The goal has ended. Motors that do not obey are told to stop in vain: the gate takes their power."""
         self._consent = 0
+        if result is not None and result.code in MOTOR_FAULTS:
+            self._motor_fault.publish(MotorFault(state=MOTOR_FAULTS[result.code], reason=result.text))
 
     def on_state(self, message: GateState) -> Loss | None:
         """Whether the consent of this goal has ended with what the gate says."""

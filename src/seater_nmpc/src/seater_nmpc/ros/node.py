@@ -158,9 +158,9 @@ class DockingNode:
         self._out.request(command.v, command.omega)
         self._report(command, step.phase.name)
         self._goals.publish(step)
-        if step.done:
+        if step.result is not None:
             self._zeros = ZEROS_AFTER_GOAL
-            self._gate.release()
+            self._gate.release(step.result)
 
     def _report(self, command: Command, phase: str) -> None:
         estimate, counters = self._core.observer.estimate(), self._core.controller.counters

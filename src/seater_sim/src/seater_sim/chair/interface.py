@@ -55,6 +55,9 @@ class Plant(Protocol):
     def step(self, duration_ns: int) -> None:
         """Advance by `duration_ns`. A command takes effect at the step that begins at or after its time."""
 
+    def power(self, on: bool) -> None:
+        """The motors' power. Without it the brakes stop the chair, and commands are lost."""
+
     def halt(self) -> None:
         """Stand still at once and forget all commands."""
 

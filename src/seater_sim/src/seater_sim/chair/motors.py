@@ -7,6 +7,7 @@ import math
 from seater_sim.chair.plant import Axis
 from seater_sim.settings import MotorSettings
 
+BRAKES_GRIP = 0.1  # [s] after the loss of power; spring-applied brakes of such motors: some hundredths; assumed
 LOWEST_STRENGTH = 0.3  # an empty battery: the motor controller of a real chair switches off below
 
 
@@ -36,6 +37,15 @@ class RampedAxis:
         self._axis.rate = self._deceleration if slower else self._acceleration
         return self._axis.advance(target, duration)
 
+    def brake(self, duration: float) -> float:
+        """Without power the brakes slow the wheel down as hard as the ramp would, but without its lag; returns the
+        way."""
+        return self._axis.brake(self._deceleration, duration)
+
+    def coast(self, duration: float) -> float:
+        """Neither driven nor braked; returns the way."""
+        return self._axis.brake(0.0, duration)
+
     def stop(self) -> None:
         """Stand at once."""
         self._axis.stop()
@@ -53,9 +63,11 @@ class Drive:
         self.angular = RampedAxis(s.lag_omega, s.turn_acceleration, s.turn_deceleration)
         self._settings = settings
         self._idle = 0.0  # [s] without demand
+        self._unpowered = 0.0  # [s] without power
 
     def advance(self, v: float, omega: float, duration: float) -> tuple[float, float]:
         """(way [m], turn [rad]) of the wheels' turning in `duration` [s], before load."""
+        self._unpowered = 0.0
         way, turn = self.linear.advance(v, duration), self.angular.advance(omega, duration)
         if v or omega or self.linear.asked or self.angular.asked:
             self._idle = 0.0
@@ -65,6 +77,13 @@ class Drive:
             self.stop()
             return 0.0, 0.0
         return way, turn
+
+    def advance_unpowered(self, duration: float) -> tuple[float, float]:
+        """The same without power: the brakes of both wheels grip after BRAKES_GRIP."""
+        self._unpowered += duration
+        if self._unpowered <= BRAKES_GRIP:
+            return self.linear.coast(duration), self.angular.coast(duration)
+        return self.linear.brake(duration), self.angular.brake(duration)
 
     @property
     def moving(self) -> bool:

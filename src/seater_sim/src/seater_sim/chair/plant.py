@@ -46,6 +46,13 @@ class Axis:
             self.speed = 0.0
         return way
 
+    def brake(self, deceleration: float, duration: float) -> float:
+        """Slow down by `deceleration` [m/s^2 or rad/s^2], whatever the motor is to do; returns the way."""
+        before = self.speed
+        slowing = min(abs(before), deceleration * duration)
+        self.demand = self.speed = before - math.copysign(slowing, before)
+        return 0.5 * (before + self.speed) * duration
+
     def stop(self) -> None:
         """Stalled: the motor stands and starts again from zero."""
         self.demand = self.speed = 0.0
@@ -84,6 +91,7 @@ class KinematicPlant:
         self._pending: deque[tuple[int, float, float]] = deque()
         self._acting: tuple[int, float, float] | None = None
         self._pose_before = self.pose
+        self._powered = True
 
     @property
     def v(self) -> float:
@@ -120,15 +128,28 @@ class KinematicPlant:
             self._acting = self._pending.popleft()
         v, omega = self.target
         duration = duration_ns / NANOSECONDS
-        self.motion = Motion(self._linear.advance(v, duration), self._angular.advance(omega, duration))
+        if self._powered:
+            self.motion = Motion(self._linear.advance(v, duration), self._angular.advance(omega, duration))
+        else:
+            self._forget()
+            limits = self.limits
+            way, turn = self._linear.brake(limits.a_max, duration), self._angular.brake(limits.alpha_max, duration)
+            self.motion = Motion(way, turn)
         self._pose_before = self.pose
         self.pose = arc_step(self.pose, self.motion.way, self.motion.turn, 1.0)
         self.time_ns += duration_ns
 
-    def halt(self) -> None:
-        """Stand still at once and forget all commands."""
+    def power(self, on: bool) -> None:
+        """See interface.Plant: it brakes within the chair's limits."""
+        self._powered = on
+
+    def _forget(self) -> None:
         self._pending.clear()
         self._acting = None
+
+    def halt(self) -> None:
+        """Stand still at once and forget all commands."""
+        self._forget()
         self._linear.stop()
         self._angular.stop()
 

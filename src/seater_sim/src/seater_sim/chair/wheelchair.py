@@ -46,6 +46,7 @@ class WheelchairPlant:
         self._drive = Drive(settings.motor)
         self._floor = Floor(settings.floor, seed)
         self._pose_before = self.pose
+        self._powered = True
         self._turned = (0.0, 0.0)  # by the wheels in the last step [m]
 
     def command(self, v: float, omega: float) -> bool:
@@ -59,13 +60,21 @@ class WheelchairPlant:
         duration = duration_ns / NANOSECONDS
         v, omega = self._commands.at(self.time_ns)
         before = self._drive.linear.speed, self._drive.angular.speed
-        way, turn = self._drive.advance(v, omega, duration)
+        if self._powered:
+            way, turn = self._drive.advance(v, omega, duration)
+        else:
+            self._commands.clear()
+            way, turn = self._drive.advance_unpowered(duration)
         self._pose_before = self.pose
         if self._drive.moving or way or turn:
             self._move(way, turn, before, duration)
         else:
             self._stand()
         self.time_ns += duration_ns
+
+    def power(self, on: bool) -> None:
+        """See interface.Plant. A relay acts at once: neither the delay of commands nor the motor controller matters."""
+        self._powered = on
 
     def halt(self) -> None:
         """Stand still at once and forget all commands."""

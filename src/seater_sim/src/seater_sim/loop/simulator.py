@@ -176,6 +176,10 @@ class Simulator:
         """A velocity command arrives now [m/s, rad/s]; False when it is not finite (it then counts as zero)."""
         return self._plant.command(v, omega)
 
+    def power(self, on: bool) -> None:
+        """The motors' power, from now on. Without it the brakes stop the chair, and commands are lost."""
+        self._plant.power(on)
+
     def halt(self) -> None:
         """The chair stands and all commands are forgotten: the end of a run."""
         self._plant.halt()

@@ -64,9 +64,7 @@ class PlantNode:
             self._relay.told(message.data, self._simulator.time_ns)
 
     def _drive(self) -> None:
-        """Without power the motors stand, whatever the fault."""
-        powered = self._relay.on(self._simulator.time_ns)
-        self._simulator.command(*(self._plant_fault.command(*self._command) if powered else (0.0, 0.0)))
+        self._simulator.command(*self._plant_fault.command(*self._command))
 
     def _fail(self, component: str, kind: str, values: tuple[float, ...]) -> None:
         with self._lock:
@@ -80,8 +78,9 @@ class PlantNode:
             self._clock.sleep_until(due_ns)
             self._behind = max(self._behind, (self._clock.now_ns - due_ns) / NANOSECONDS)
             with self._lock:
-                if self._plant_fault.persists or not self._relay.on(self._simulator.time_ns):
+                if self._plant_fault.persists:
                     self._drive()
+                self._simulator.power(self._relay.on(self._simulator.time_ns))
                 due = self._simulator.step()
             self._publish(due)
             self._updater.update()

@@ -1,0 +1,87 @@
+"""A goal ends with the code that names what the gate stopped for; motors that do not obey are told to the gate."""
+
+from typing import Any
+
+import pytest
+
+from seater_msgs.msg import GateState, MotorFault
+from seater_msgs.srv import GateArmResponse
+from seater_nmpc.ros import gate as module
+from seater_nmpc.ros.gate import Gate
+from seater_nmpc.ros.goal_checks import RefusedError
+from seater_nmpc.sequence.results import Result, ResultCode
+
+CONSENT = 7
+CODES = [
+    (GateState.USER, ResultCode.STOPPED_BY_USER),
+    (GateState.EMERGENCY_STOP, ResultCode.EMERGENCY_STOP),
+    (GateState.RUNAWAY, ResultCode.RUNAWAY),
+    (GateState.WRONG_DIRECTION, ResultCode.WRONG_DIRECTION),
+    (GateState.STALE, ResultCode.GATE_LOST),
+    (GateState.FAULT, ResultCode.GATE_LOST),
+]
+
+
+class Service:
+    """Gives `answer`."""
+
+    resolved_name = "/gate_arm"
+    answer = GateArmResponse(granted=True, consent=CONSENT)
+
+    def wait_for_service(self, timeout: float) -> None:
+        pass
+
+    def __call__(self) -> GateArmResponse:
+        return self.answer
+
+
+class Published(list[Any]):
+    def publish(self, message: Any) -> None:
+        self.append(message)
+
+
+@pytest.fixture
+def published() -> Published:
+    return Published()
+
+
+@pytest.fixture
+def service() -> Service:
+    return Service()
+
+
+@pytest.fixture
+def gate(monkeypatch: pytest.MonkeyPatch, published: Published, service: Service) -> Gate:
+    monkeypatch.setattr(module.rospy, "Publisher", lambda *_, **__: published)
+    monkeypatch.setattr(module.rospy, "Subscriber", lambda *_, **__: None)
+    monkeypatch.setattr(module.rospy, "ServiceProxy", lambda *_, **__: service)
+    return Gate(lambda kind, message: None, lock_step=False)
+
+
+@pytest.mark.parametrize(("state", "code"), CODES)
+def test_the_code_names_what_the_gate_stopped_for(gate: Gate, state: int, code: ResultCode) -> None:
+    gate.arm()
+    assert gate.on_state(GateState(consent=CONSENT, motion_allowed=True)) is None
+    loss = gate.on_state(GateState(consent=CONSENT, stopped_by=state, stop_reason="why"))
+    assert loss is not None and (loss.code, loss.text) == (code, "why")
+
+
+@pytest.mark.parametrize(("state", "code"), CODES)
+def test_a_refused_goal_names_it_too(gate: Gate, service: Service, state: int, code: ResultCode) -> None:
+    service.answer = GateArmResponse(granted=False, state=state, reason="why")
+    with pytest.raises(RefusedError) as refused:
+        gate.arm()
+    assert (refused.value.code, refused.value.text) == (code, "why")
+
+
+def test_motors_that_do_not_obey_are_told_to_the_gate(gate: Gate, published: Published) -> None:
+    for code in ResultCode:
+        gate.release(Result(code=code, text=code.name))
+    told = [MotorFault(GateState.RUNAWAY, "RUNAWAY"), MotorFault(GateState.WRONG_DIRECTION, "WRONG_DIRECTION")]
+    assert published == told
+
+
+def test_after_the_end_of_the_goal_the_gate_ends_nothing(gate: Gate) -> None:
+    gate.arm()
+    gate.release(Result(code=ResultCode.SUCCESS, text=""))
+    assert gate.on_state(GateState(consent=CONSENT, stopped_by=GateState.RUNAWAY)) is None
