@@ -6,7 +6,7 @@
 
 #include "marker/photometric_model.h"
 #include "numerics/normal.h"
-#include "photometric/initial_poses.h"
+#include "stage/initial_poses.h"
 #include "photometric/kernel/photometric_kernel.h"
 #include "photometric/samples/photometric_samples.h"
 #include "photometric_scene.h"

@@ -1,13 +1,18 @@
 #include "pipeline/detection_pipeline.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "image/image_checks.h"
 #include "pipeline/expected_marker.h"
+#include "stage/initial_poses.h"
 
 namespace seater_perception {
 
 namespace {
+
+constexpr double kUndecided = 0.05;  // ambiguity of corners from which on both branches go out
+constexpr double kLongTails = 2.0;   // of the corners' standard deviation: see keepCorners
 
 /// Only what is not in the layout can be left out of the search.
 std::set<int> idsOf(const DockLayout& layout) {
@@ -35,8 +40,8 @@ void keepNearest(const Eigen::Isometry3d& pose, MarkerEstimate& marker) {
 DetectionResult resultOf(const ImageEstimate& estimate, bool full_search) {
   DetectionResult result;
   for (const MarkerEstimate& m : estimate.markers) {
-    result.markers.push_back(
-        {m.image.id, m.size, m.image.corners, m.image.side(), m.image.edges_fitted, m.hypotheses, m.ambiguity});
+    result.markers.push_back({m.image.id, m.size, m.image.corners, m.image.side(), m.image.edges_fitted, m.hypotheses,
+                              m.ambiguity, m.stage});
   }
   result.dock = estimate.dock;
   result.refused = estimate.refused;
@@ -113,21 +118,30 @@ void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& 
   for (MarkerEstimate& marker : result.markers) {
     const int id = marker.image.id;
     const PosePrior prior = priorOf(id);
-    // Leaves the poses of the corners where the print contradicts the model; false when nothing was proved.
+    // Leaves the poses of the corners where the image contradicts the model.
     const auto refine = [&](bool as_tracked) {
       keepDecided(dock, marker);
       RefinedMarker refined = refineMarker(context, prior, marker, as_tracked);
+      const MarkerEstimate& m = refined.marker;
+      const bool one = refined.outcome == MarkerOutcome::refined && m.hypotheses.size() == 1;
+      if (one && refined.deviates && !m.image.shadow && m.image.side() < kLargeMarker) {
+        // Of residuals that are not noise alone, one minimum does not decide the branch.
+        MarkerEstimate by_corners = marker;
+        by_corners.model_sigma = m.model_sigma;
+        keepCorners(dock, by_corners);
+        if (by_corners.ambiguity > kUndecided) refined.marker = by_corners;
+      }
       marker = std::move(refined.marker);
-      return refined.outcome == MarkerOutcome::refined || refined.outcome == MarkerOutcome::corners_kept;
+      if (refined.outcome == MarkerOutcome::corners_kept) keepCorners(dock, marker);
+      return refined.outcome;
     };
-    bool fitted = tracked.count(id) && refine(true);
-    if (!fitted) {
-      const bool usable = !tracked.count(id) || startAgain(grey, marker);
-      fitted = usable && refine(false);
+    if (!tracked.count(id) || refine(true) == MarkerOutcome::doubtful) {
+      const bool of_this_image = !tracked.count(id) || startAgain(grey, marker);
+      const bool refined = refine(false) == MarkerOutcome::refined;
+      if (!refined && !of_this_image) marker.hypotheses.clear();  // they are the last image's
     }
-    // The own search is generous with outlines: the grey levels have to prove the code.
-    const bool proved = fitted && marker.image.side() >= parameters_.detector.min_side;
-    if (!proved && (parameters_.detector.search == "own" || marker.hypotheses.empty())) {
+    // Its bits have proved the marker. That the grey levels are not as the model has them does not unmake it.
+    if (marker.hypotheses.empty() || marker.image.side() < parameters_.detector.min_side) {
       ++result.refused;
     } else {
       kept.push_back(marker);
@@ -136,13 +150,28 @@ void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& 
   result.markers = kept;
 }
 
-/// From its corners, with edges; false, and without hypotheses, when they give no pose.
+/// Poses of the corners, which are as uncertain as what the grey levels deviate from the model says. Errors of corners
+/// have long tails there: the branch is decided as if they were twice as uncertain.
+void DetectionPipeline::keepCorners(const std::vector<DockHypothesis>& dock, MarkerEstimate& marker) const {
+  MarkerCorners corners = marker.image;
+  const double usual = corners.edges_fitted ? parameters_.pose.corner_sigma : parameters_.pose.corner_sigma_coarse;
+  corners.corner_sigma = kLongTails * std::hypot(usual, marker.model_sigma);
+  const double model_sigma = marker.model_sigma;
+  const auto again = estimateMarker(camera_, corners, marker.size, priorOf(corners.id), parameters_.pose);
+  if (!again) return;
+  marker = *again;
+  marker.model_sigma = model_sigma;
+  marker.image.corner_sigma /= kLongTails;
+  for (auto& h : marker.hypotheses) h.covariance /= kLongTails * kLongTails;
+  keepDecided(dock, marker);
+}
+
+/// From its corners, with edges; false, and nothing changed, when they give no pose.
 bool DetectionPipeline::startAgain(const cv::Mat& grey, MarkerEstimate& marker) const {
   MarkerCorners corners = marker.image;
   corners.psf_sd = corners.edges_fitted ? corners.psf_sd : 0.0;
   if (!corners.edges_fitted) search_.refine(grey, corners);
   const auto again = estimateMarker(camera_, corners, marker.size, priorOf(corners.id), parameters_.pose);
-  marker.hypotheses.clear();
   if (again) marker = *again;
   return again.has_value();
 }

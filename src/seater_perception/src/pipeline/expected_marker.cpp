@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "photometric/initial_poses.h"
+#include "stage/initial_poses.h"
 #include "seater_perception/dock_layout.h"
 
 namespace seater_perception {

@@ -36,6 +36,8 @@ void Diagnostics::published(const ImageReport& image) {
   full_searches_ += image.full_search ? 1 : 0;
   odometry_ += image.odometry ? 1 : 0;
   ambiguous_ += image.ambiguous ? 1 : 0;
+  markers_ += image.markers;
+  photometric_ += image.photometric;
   total_full_searches_ += image.full_search ? 1 : 0;
   ++total_images_;
 }
@@ -71,6 +73,8 @@ void Diagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("images with two poses of the dock", ambiguous_);
   status.add("images with odometry", odometry_);
   status.add("full searches", full_searches_);
+  status.add("markers", markers_);
+  status.add("markers fitted to grey levels [%]", markers_ > 0 ? 100.0 * photometric_ / markers_ : 0.0);
   status.add("errors", errors_);
   status.add("images since start", total_images_);
   status.add("full searches since start", total_full_searches_);
@@ -80,6 +84,7 @@ void Diagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   latency_.clear();
   processing_.clear();
   seen_ = full_searches_ = odometry_ = ambiguous_ = errors_ = 0;
+  markers_ = photometric_ = 0;
 }
 
 }  // namespace seater_perception
