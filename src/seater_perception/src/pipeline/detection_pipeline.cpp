@@ -125,7 +125,7 @@ void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& 
       const MarkerEstimate& m = refined.marker;
       const bool one = refined.outcome == MarkerOutcome::refined && m.hypotheses.size() == 1;
       if (one && refined.deviates && !m.image.shadow && m.image.side() < kLargeMarker) {
-        // Of residuals that are not noise alone, one minimum does not decide the branch.
+        // Of residuals that are not noise alone, one minimum does not decide the branch that the corners leave open.
         MarkerEstimate by_corners = marker;
         by_corners.model_sigma = m.model_sigma;
         keepCorners(dock, by_corners);
@@ -162,7 +162,10 @@ void DetectionPipeline::keepCorners(const std::vector<DockHypothesis>& dock, Mar
   marker = *again;
   marker.model_sigma = model_sigma;
   marker.image.corner_sigma /= kLongTails;
-  for (auto& h : marker.hypotheses) h.covariance /= kLongTails * kLongTails;
+  for (auto& h : marker.hypotheses) {
+    constexpr double kVariance = kLongTails * kLongTails;
+    h.covariance *= inflation(kVariance * h.chi_squared, 4) / (kVariance * inflation(h.chi_squared, 4));
+  }
   keepDecided(dock, marker);
 }
 
