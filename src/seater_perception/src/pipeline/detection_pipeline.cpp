@@ -124,7 +124,7 @@ void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& 
       RefinedMarker refined = refineMarker(context, prior, marker, as_tracked);
       const MarkerEstimate& m = refined.marker;
       const bool one = refined.outcome == MarkerOutcome::refined && m.hypotheses.size() == 1;
-      if (one && refined.deviates && !m.image.shadow && m.image.side() < kLargeMarker) {
+      if (one && !as_tracked && refined.deviates && !m.image.shadow && m.image.side() < kLargeMarker) {
         // Of residuals that are not noise alone, one minimum does not decide the branch that the corners leave open.
         MarkerEstimate by_corners = marker;
         by_corners.model_sigma = m.model_sigma;
@@ -151,20 +151,21 @@ void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& 
 }
 
 /// Poses of the corners, which are as uncertain as what the grey levels deviate from the model says. Errors of corners
-/// have long tails there: the branch is decided as if they were twice as uncertain.
+/// have long tails there: the branch of a small marker, or one without fitted edges, is decided as if
+/// they were twice as uncertain.
 void DetectionPipeline::keepCorners(const std::vector<DockHypothesis>& dock, MarkerEstimate& marker) const {
   MarkerCorners corners = marker.image;
   const double usual = corners.edges_fitted ? parameters_.pose.corner_sigma : parameters_.pose.corner_sigma_coarse;
-  corners.corner_sigma = kLongTails * std::hypot(usual, marker.model_sigma);
+  const double tails = corners.edges_fitted && corners.side() > kLargeMarker ? 1.0 : kLongTails;
+  corners.corner_sigma = tails * std::hypot(usual, marker.model_sigma);
   const double model_sigma = marker.model_sigma;
   const auto again = estimateMarker(camera_, corners, marker.size, priorOf(corners.id), parameters_.pose);
   if (!again) return;
   marker = *again;
   marker.model_sigma = model_sigma;
-  marker.image.corner_sigma /= kLongTails;
+  marker.image.corner_sigma /= tails;
   for (auto& h : marker.hypotheses) {
-    constexpr double kVariance = kLongTails * kLongTails;
-    h.covariance *= inflation(kVariance * h.chi_squared, 4) / (kVariance * inflation(h.chi_squared, 4));
+    h.covariance *= inflation(tails * tails * h.chi_squared, 4) / (tails * tails * inflation(h.chi_squared, 4));
   }
   keepDecided(dock, marker);
 }

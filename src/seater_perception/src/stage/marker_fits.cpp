@@ -18,7 +18,7 @@ constexpr double kBeyondScale = 0.15;  // [ranges of grey levels] how far black 
 constexpr double kClipped = 0.05;     // fraction of the pixels at an end, from which on white or black may lie anywhere
 constexpr double kLargestPsf = 0.95;  // [cells] standard deviation; wider, cells cannot be told apart
 // Residuals at edges over those of flat pixels, from which on the deviation counts.
-constexpr double kNoticed = 1.2;
+constexpr double kNoticed = 1.35;
 // [pixels] that err together where residuals are not noise; by the wrong branches on nine kinds of cameras.
 constexpr double kAlike = 12.0;
 constexpr double kBeside = 0.5;      // [sides] round a marker, where its surroundings tell the noise

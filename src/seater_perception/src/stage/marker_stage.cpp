@@ -14,6 +14,7 @@ namespace {
 // Residuals at edges over those of flat pixels: from here on, the image is not what the model says
 // (docs/explanation/perception.md).
 constexpr double kMisfit = 1.8;
+constexpr double kDeviates = 1.6;  // the same, from which on one minimum does not decide the branch of a small marker
 constexpr double kCoarseCorners = 0.25;   // [cells] error of corners that no edge confirms
 constexpr double kBlurredCorners = 0.25;  // [standard deviations of the PSF] the same of blurred edges
 // [px] of a corner: what taking away a shadow's edge leaves; by the normalised errors of `perception_shadows`.
@@ -76,7 +77,7 @@ RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& p
     PhotometricRefiner refiner(print_only);
     hypotheses = fits.fit(refiner, psf_sd);
   }
-  RefinedMarker refined{MarkerOutcome::corners_kept, marker, fits.doubt() > 1.0};
+  RefinedMarker refined{MarkerOutcome::corners_kept, marker, fits.misfit() > kDeviates};
   refined.marker.model_sigma = hypotheses.empty() ? context.pose.corner_sigma_coarse : fits.modelSigma();
   if (hypotheses.empty() ||
       !compareWithCorners(context, marker, fits.cells(), fits.modelSigma(), fits.doubt(), hypotheses) ||
