@@ -6,12 +6,12 @@
 #include <set>
 #include <vector>
 
-#include "stage/dock_stage.h"
 #include "pose/dock_pose.h"
 #include "search/marker_detector.h"
 #include "seater_perception/camera_model.h"
 #include "seater_perception/dock_layout.h"
 #include "seater_perception/parameters.h"
+#include "stage/dock_stage.h"
 
 namespace cv {
 class Mat;

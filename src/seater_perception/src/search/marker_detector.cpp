@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "image/image_checks.h"
-#include "search/code/marker_decoder.h"
+#include "search/decoder/marker_decoder.h"
 #include "search/opencv_search.h"
 #include "search/outline/edge_fit.h"
 #include "search/outline/quad_search.h"

@@ -1,11 +1,11 @@
-#include "search/code/marker_decoder.h"
+#include "search/decoder/marker_decoder.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "search/code/code_evidence.h"
 #include "search/code/pattern_alignment.h"
 #include "search/code/template_book.h"
+#include "search/decoder/code_evidence.h"
 
 namespace seater_perception {
 namespace {
@@ -45,14 +45,16 @@ struct MarkerDecoder::Implementation {
   PatternAligner aligner;
   EvidenceRule evidence;
 
-  std::optional<DecodedMarker> judge(const EvidenceThreshold& threshold, const Alignment& a) const;
+  std::optional<DecodedMarker> judge(const ImageLevels& image, const EvidenceThreshold& threshold,
+                                     const Alignment& a) const;
   std::optional<DecodedMarker> settle(const ImageLevels& image, const EvidenceThreshold& threshold, Alignment& a) const;
   std::optional<DecodedMarker> motionBlurred(const ImageLevels& image, const EvidenceThreshold& threshold,
                                              const Alignment& still) const;
 };
 
 /// Code, margin and bits of an aligned pattern.
-std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(const EvidenceThreshold& threshold,
+std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(const ImageLevels& image,
+                                                                  const EvidenceThreshold& threshold,
                                                                   const Alignment& a) const {
   DecodedMarker decoded;
   decoded.id = a.id;
@@ -72,6 +74,13 @@ std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(const Evidence
   decoded.evidence = codeEvidence(decoded.correlation, decoded.worst_bit, decoded.margin, a.covered());
   decoded.surplus = decoded.evidence - threshold.needed(decoded.worst_bit);
   if (decoded.surplus < 0.0) return std::nullopt;
+  if (evidence.edgesCount() && !a.motion_blurred) {
+    const double sd = TemplateBook::kTemplateSd[static_cast<std::size_t>(a.level)];
+    const double cost = costOfEdges(codeEdges(image, book, a), meanSide(a.quad) / book.grid().cells(), sd);
+    decoded.evidence -= cost;
+    decoded.surplus -= cost;
+  }
+  if (decoded.surplus < 0.0) return std::nullopt;
   return decoded;
 }
 
@@ -79,9 +88,9 @@ std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(const Evidence
 std::optional<DecodedMarker> MarkerDecoder::Implementation::settle(const ImageLevels& image,
                                                                    const EvidenceThreshold& threshold,
                                                                    Alignment& a) const {
-  const auto decoded = judge(threshold, a);
+  const auto decoded = judge(image, threshold, a);
   if (decoded || !aligner.leaveOutCovered(a)) return decoded;
-  return aligner.align(image, a) ? judge(threshold, a) : std::nullopt;
+  return aligner.align(image, a) ? judge(image, threshold, a) : std::nullopt;
 }
 
 /// What looks like the code, but not sharp enough: perhaps the image moved.
@@ -90,7 +99,7 @@ std::optional<DecodedMarker> MarkerDecoder::Implementation::motionBlurred(const 
                                                                           const Alignment& still) const {
   if (still.fit.explained < kPerhapsMotion) return std::nullopt;
   Alignment a = still;
-  return aligner.alignMotionBlurred(image, a) ? judge(threshold, a) : std::nullopt;
+  return aligner.alignMotionBlurred(image, a) ? judge(image, threshold, a) : std::nullopt;
 }
 
 MarkerDecoder::MarkerDecoder(const MarkerFamily& family, const std::set<int>& ids)
@@ -142,7 +151,7 @@ std::optional<DecodedMarker> MarkerDecoder::decodeNear(int id, const ImageLevels
     Alignment same = a;
     same.level = template_level;
     if (self.aligner.align(image, same)) {
-      if (const auto decoded = self.judge(threshold, same)) return decoded;
+      if (const auto decoded = self.judge(image, threshold, same)) return decoded;
     }
   }
   if (self.aligner.align(image, a)) {

@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "search/decoder/code_edges.h"
 #include "seater_perception/marker_family.h"
 
 namespace seater_perception {
@@ -10,6 +11,10 @@ namespace seater_perception {
 /// -log((1 - correlation^2) worst_bit) + 5 margin - 0.5 covered: see DecodedMarker for what they are. `covered`:
 /// samples of border and quiet zone left out.
 double codeEvidence(double correlation, double worst_bit, double margin, double covered);
+
+/// What speaks against a code whose bits' edges lie beside their places. `cell`: mean side [px]; `psf_sd`: of the
+/// fitted template, which takes what edges are off for blur [cells].
+double costOfEdges(const CodeEdges& edges, double cell, double psf_sd);
 
 /// The least evidence of a code.
 struct EvidenceThreshold {
@@ -27,10 +32,12 @@ class EvidenceRule {
   EvidenceThreshold anywhere(double min_evidence) const;
   /// Of a code whose place and id are expected.
   EvidenceThreshold whereExpected(double min_evidence) const;
+  /// Whether codes have so few bits that their edges have to prove them too.
+  bool edgesCount() const { return few_bits_; }
 
  private:
   double rarity_;  // evidence more than of DICT_4X4_50
-  bool some_ids_;
+  bool some_ids_, few_bits_;
 };
 
 }  // namespace seater_perception
