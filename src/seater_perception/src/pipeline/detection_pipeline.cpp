@@ -6,13 +6,11 @@
 #include "image/image_checks.h"
 #include "pipeline/expected_marker.h"
 #include "stage/initial_poses.h"
+#include "stage/open_branches.h"
 
 namespace seater_perception {
 
 namespace {
-
-constexpr double kUndecided = 0.05;  // ambiguity of corners from which on both branches go out
-constexpr double kLongTails = 2.0;   // of the corners' standard deviation: see keepCorners
 
 /// Only what is not in the layout can be left out of the search.
 std::set<int> idsOf(const DockLayout& layout) {
@@ -122,15 +120,8 @@ void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& 
     const auto refine = [&](bool as_tracked) {
       keepDecided(dock, marker);
       RefinedMarker refined = refineMarker(context, prior, marker, as_tracked);
-      const MarkerEstimate& m = refined.marker;
-      const bool one = refined.outcome == MarkerOutcome::refined && m.hypotheses.size() == 1;
-      if (one && !as_tracked && refined.deviates && !m.image.shadow && m.image.side() < kLargeMarker) {
-        // Of residuals that are not noise alone, one minimum does not decide the branch that the corners leave open.
-        MarkerEstimate by_corners = marker;
-        by_corners.model_sigma = m.model_sigma;
-        keepCorners(dock, by_corners);
-        if (by_corners.ambiguity > kUndecided) refined.marker = by_corners;
-      }
+      const bool decided = refined.outcome == MarkerOutcome::refined && refined.marker.ambiguity < kUndecided;
+      if (decided && !as_tracked && refined.deviates) leaveOpen(dock, marker, refined.marker);
       marker = std::move(refined.marker);
       if (refined.outcome == MarkerOutcome::corners_kept) keepCorners(dock, marker);
       return refined.outcome;
@@ -150,24 +141,23 @@ void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& 
   result.markers = kept;
 }
 
-/// Poses of the corners, which are as uncertain as what the grey levels deviate from the model says. Errors of corners
-/// have long tails there: the branch of a small marker, or one without fitted edges, is decided as if
-/// they were twice as uncertain.
+/// Poses of the corners, when they give one.
 void DetectionPipeline::keepCorners(const std::vector<DockHypothesis>& dock, MarkerEstimate& marker) const {
-  MarkerCorners corners = marker.image;
-  const double usual = corners.edges_fitted ? parameters_.pose.corner_sigma : parameters_.pose.corner_sigma_coarse;
-  const double tails = corners.edges_fitted && corners.side() > kLargeMarker ? 1.0 : kLongTails;
-  corners.corner_sigma = tails * std::hypot(usual, marker.model_sigma);
-  const double model_sigma = marker.model_sigma;
-  const auto again = estimateMarker(camera_, corners, marker.size, priorOf(corners.id), parameters_.pose);
+  const auto again = cornersEstimate(camera_, marker, priorOf(marker.image.id), parameters_.pose);
   if (!again) return;
   marker = *again;
-  marker.model_sigma = model_sigma;
-  marker.image.corner_sigma /= tails;
-  for (auto& h : marker.hypotheses) {
-    h.covariance *= inflation(tails * tails * h.chi_squared, 4) / (tails * tails * inflation(h.chi_squared, 4));
-  }
   keepDecided(dock, marker);
+}
+
+/// Of residuals that are not noise alone, the branch that the corners leave open. `found`: with its corners.
+void DetectionPipeline::leaveOpen(const std::vector<DockHypothesis>& dock, const MarkerEstimate& found,
+                                  MarkerEstimate& refined) const {
+  const bool small = found.image.side() < kLargeMarker;
+  if (refined.image.shadow || !(small || !found.image.edges_fitted)) return;
+  MarkerEstimate by_corners = found;
+  by_corners.model_sigma = refined.model_sigma;
+  keepCorners(dock, by_corners);
+  if (by_corners.ambiguity > kUndecided) openBranches(by_corners, refined);
 }
 
 /// From its corners, with edges; false, and nothing changed, when they give no pose.

@@ -51,6 +51,7 @@ class DetectionPipeline {
   void keepDecided(const std::vector<DockHypothesis>& dock, MarkerEstimate& marker) const;
   void refineMarkers(const cv::Mat& grey, const std::set<int>& tracked, ImageEstimate& result);
   void keepCorners(const std::vector<DockHypothesis>& dock, MarkerEstimate& marker) const;
+  void leaveOpen(const std::vector<DockHypothesis>& dock, const MarkerEstimate& found, MarkerEstimate& refined) const;
   bool startAgain(const cv::Mat& grey, MarkerEstimate& marker) const;
 
   CameraModel camera_;

@@ -7,6 +7,10 @@
 namespace seater_perception {
 namespace {
 
+// A robust chi-squared takes what a wrong branch does not explain for something that covers the print, as both branches
+// would show it. Where one leaves so many times more unexplained than another, it is the branch. Chosen by hand.
+constexpr double kFarWorse = 3.0;
+
 bool explains(const PhotometricResult& result, double smallest) {
   return result.converged && result.explained > smallest;
 }
@@ -15,10 +19,15 @@ bool explains(const PhotometricResult& result, double smallest) {
 
 std::vector<PoseHypothesis> distinct(const std::vector<PhotometricBranch>& branches, double smallest) {
   std::vector<PoseHypothesis> hypotheses;
+  double least = 1.0 - smallest;
+  for (const auto& b : branches) least = b.result.converged ? std::min(least, 1.0 - b.result.explained) : least;
+  const auto possible = [=](const PhotometricResult& result) {
+    return explains(result, smallest) && 1.0 - result.explained <= kFarWorse * least;
+  };
   double best = std::numeric_limits<double>::infinity();
-  for (const auto& b : branches) best = explains(b.result, smallest) ? std::min(best, b.chi_square) : best;
+  for (const auto& b : branches) best = possible(b.result) ? std::min(best, b.chi_square) : best;
   for (const auto& b : branches) {
-    if (!explains(b.result, smallest)) continue;
+    if (!possible(b.result)) continue;
     const auto same = [&](const PoseHypothesis& h) {
       const double turn = Eigen::AngleAxisd(h.pose.linear().transpose() * b.result.pose.linear()).angle();
       return turn < 0.5 * std::sqrt(b.result.covariance.bottomRightCorner<3, 3>().trace());

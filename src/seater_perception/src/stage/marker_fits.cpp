@@ -115,7 +115,7 @@ double MarkerFits::noiseBeside(const PhotometricResult& result) {
 }
 
 double MarkerFits::doubt() const {
-  return misfit_ > kNoticed ? kAlike * misfit_ * misfit_ : 1.0;
+  return model_sigma_ > 0.0 ? kAlike * std::max(1.0, misfit_ * misfit_) : 1.0;
 }
 
 }  // namespace seater_perception

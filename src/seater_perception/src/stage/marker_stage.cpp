@@ -14,8 +14,8 @@ namespace {
 // Residuals at edges over those of flat pixels: from here on, the image is not what the model says
 // (docs/explanation/perception.md).
 constexpr double kMisfit = 1.8;
-constexpr double kDeviates = 1.6;  // the same, from which on one minimum does not decide the branch of a small marker
-constexpr double kCoarseCorners = 0.25;   // [cells] error of corners that no edge confirms
+constexpr double kCoarseCorners = 0.25;  // [cells] error of corners that no edge confirms
+constexpr double kUnknown = 1.5;  // of corner_sigma_coarse: the same where no fit says anything (binarised images)
 constexpr double kBlurredCorners = 0.25;  // [standard deviations of the PSF] the same of blurred edges
 // [px] of a corner: what taking away a shadow's edge leaves; by the normalised errors of `perception_shadows`.
 constexpr double kShadowSigma = 0.06;
@@ -77,15 +77,22 @@ RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& p
     PhotometricRefiner refiner(print_only);
     hypotheses = fits.fit(refiner, psf_sd);
   }
-  RefinedMarker refined{MarkerOutcome::corners_kept, marker, fits.misfit() > kDeviates};
-  refined.marker.model_sigma = hypotheses.empty() ? context.pose.corner_sigma_coarse : fits.modelSigma();
+  RefinedMarker refined{MarkerOutcome::corners_kept, marker, fits.modelSigma() > 0.0};
+  // Of fits that failed, residuals say little, but corners are not as far off as any part of a cell.
+  const double coarse = context.pose.corner_sigma_coarse;
+  const double shown = std::min(fits.modelSigma(), kCoarseCorners * marker.image.side() / fits.cells());
+  refined.marker.model_sigma = fits.modelSigma();
+  if (hypotheses.empty()) refined.marker.model_sigma = shown > 0.0 ? std::max(coarse, shown) : kUnknown * coarse;
   if (hypotheses.empty() ||
       !compareWithCorners(context, marker, fits.cells(), fits.modelSigma(), fits.doubt(), hypotheses) ||
       hypotheses.empty())
     return refined;
   // Where the model does not hold (bent print, grown cells, a camera that sharpens), the outer edges are what its size
   // means; but not where a shadow's edge crosses them.
-  if (marker.image.edges_fitted && !marker.image.shadow && fits.misfit() > kMisfit) return refined;
+  if (marker.image.edges_fitted && !marker.image.shadow && fits.misfit() > kMisfit) {
+    refined.marker.model_sigma = shown;
+    return refined;
+  }
   weighByPrior(hypotheses, prior, context.pose.tilt_sigma);
   refined.outcome = MarkerOutcome::refined;
   refined.marker.stage = PoseStage::photometric;

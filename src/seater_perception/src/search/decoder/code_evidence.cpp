@@ -26,11 +26,11 @@ constexpr double kSomeIds = 0.4;
 // Codes of so many bits need no second proof: see kLeastEvidence.
 constexpr int kEnoughBits = 25;
 // Edges of what only resembles a code lie beside their places, and the fit takes that for blur. By the spread of grey
-// levels on them, where the image has room to show it (cells from 4 to 5 px on) and the fit is blurred (from 0.15 to
-// 0.25 cells on; a sharp one has lost its evidence already), and by how far that is in cells (3 to 4 px: of less, noise
+// levels on them, where the image has room to show it (cells from 4 to 5 px on) and the fit is blurred (from 0.12 to
+// 0.2 cells on; a sharp one has lost its evidence already), and by how far that is in cells (3 to 4 px: of less, noise
 // decides). The table "Edges of a code" in docs/results/perception.md.
-constexpr double kSpread = 0.17, kCostOfSpread = 40.0, kRoom = 4.0;               // [contrast], [1/contrast], [px]
-constexpr double kSharp = 0.15, kBlurred = 0.25;                                  // [cells]
+constexpr double kSpread = 0.17, kCostOfSpread = 150.0, kRoom = 4.0;              // [contrast], [1/contrast], [px]
+constexpr double kSharp = 0.12, kBlurred = 0.2;                                   // [cells]
 constexpr double kDisplaced = 0.13, kCostOfDisplacement = 20.0, kSomeRoom = 3.0;  // [cells], [1/cell], [px]
 // Grey level's change over the displacement of an edge, where a Gaussian of 1 cell blurs it: 1 / sqrt(2 pi).
 constexpr double kSlope = 0.3989;
