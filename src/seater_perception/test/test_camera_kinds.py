@@ -109,8 +109,7 @@ def test_the_stage_follows_the_image() -> None:
     assert stages["sharpened"].count("edges") >= 6, stages  # the others' edges could not be fitted
 
 
-# Not yet: "overexposed" (mean 14), and shifts of the whole marker, which no residual shows.
-@pytest.mark.parametrize("kind", ["ideal", "aliased", "sharpened"])
+@pytest.mark.parametrize("kind", ["ideal", "aliased", "sharpened", "overexposed"])
 def test_covariance_says_what_the_camera_adds(kind: str) -> None:
     """Mean normalised error squared of 72 poses; 6 degrees of freedom."""
     values = []
@@ -140,3 +139,11 @@ def test_what_shifts_decide_is_not_called_certain(kind: str) -> None:
             certain += angle > 15.0 and m.ambiguity < 0.05
     assert wrong > 0  # the image does not decide
     assert certain == 0
+
+
+def test_over_exposure_is_told() -> None:
+    for kind, least, most in (("ideal", 0.0, 0.01), ("overexposed", 0.8, 1.0)):
+        image = taken(drawn(4, 50.0, "DICT_4X4_50", True)[1], np.random.default_rng(4), kind)
+        seen = detector("DICT_4X4_50").detect(image).markers
+        assert len(seen) == 12
+        assert all(least <= m.white_cut_off <= most for m in seen), [m.white_cut_off for m in seen]

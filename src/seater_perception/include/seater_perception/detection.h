@@ -55,6 +55,7 @@ struct DetectedMarker {
   /// one; near 1: undecided by the image; above 1: the prior (upright) overruled the image. Both kinds of refinement.
   double ambiguity = 0.0;
   PoseStage stage = PoseStage::corners;  ///< that the hypotheses are of
+  double white_cut_off = 0.0;  ///< part of the white in and round it that is at the end of the range: over-exposed
 
   const PoseHypothesis& best() const { return hypotheses.front(); }
   /// Covariance of best().pose for those who see no other hypothesis: covers all of them.

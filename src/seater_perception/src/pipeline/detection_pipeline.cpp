@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "image/exposure.h"
 #include "image/image_checks.h"
 #include "pipeline/expected_marker.h"
 #include "stage/initial_poses.h"
@@ -11,6 +12,8 @@
 namespace seater_perception {
 
 namespace {
+
+constexpr double kQuietZone = 0.15;  // [sides] round a marker: about a cell
 
 /// Only what is not in the layout can be left out of the search.
 std::set<int> idsOf(const DockLayout& layout) {
@@ -39,7 +42,7 @@ DetectionResult resultOf(const ImageEstimate& estimate, bool full_search) {
   DetectionResult result;
   for (const MarkerEstimate& m : estimate.markers) {
     result.markers.push_back({m.image.id, m.size, m.image.corners, m.image.side(), m.image.edges_fitted, m.hypotheses,
-                              m.ambiguity, m.stage});
+                              m.ambiguity, m.stage, m.white_cut_off});
   }
   result.dock = estimate.dock;
   result.refused = estimate.refused;
@@ -86,6 +89,11 @@ ImageEstimate DetectionPipeline::evaluate(const SearchResult& found, const std::
   }
   const bool photometric = parameters_.refinement == "photometric";
   if (photometric) refineMarkers(grey, tracked, result);
+  for (MarkerEstimate& marker : result.markers) {
+    const Eigen::AlignedBox2d box = boundingBox(marker.image.corners);
+    const Eigen::Vector2d margin = kQuietZone * box.sizes();
+    marker.white_cut_off = whiteCutOff(grey, {box.min() - margin, box.max() + margin});
+  }
   result.dock = estimateDock(camera_, result.markers, layout_, parameters_.selection, up_, parameters_.pose);
   if (photometric) {
     const PhotometricContext context{grey, camera_, parameters_.pose, refiner_, patterns_};
@@ -153,11 +161,11 @@ void DetectionPipeline::keepCorners(const std::vector<DockHypothesis>& dock, Mar
 void DetectionPipeline::leaveOpen(const std::vector<DockHypothesis>& dock, const MarkerEstimate& found,
                                   MarkerEstimate& refined) const {
   const bool small = found.image.side() < kLargeMarker;
-  if (refined.image.shadow || !(small || !found.image.edges_fitted)) return;
+  if (!small && found.image.edges_fitted) return;
   MarkerEstimate by_corners = found;
   by_corners.model_sigma = refined.model_sigma;
   keepCorners(dock, by_corners);
-  if (by_corners.ambiguity > kUndecided) openBranches(by_corners, refined);
+  openBranches(by_corners, refined);
 }
 
 /// From its corners, with edges; false, and nothing changed, when they give no pose.

@@ -8,7 +8,10 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kLongTails = 2.0;  // of the corners' standard deviation
+constexpr double kLongTails = 2.0;   // of the corners' standard deviation
+constexpr double kSameBranch = 0.1;  // [rad] of turn: both stages found the same pose. Chosen by hand
+constexpr double kLeastWeight = 1e-9;
+constexpr std::size_t kCorners = 4;
 
 double turnBetween(const PoseHypothesis& a, const PoseHypothesis& b) {
   return Eigen::AngleAxisd(a.pose.linear().transpose() * b.pose.linear()).angle();
@@ -45,7 +48,8 @@ std::optional<MarkerEstimate> cornersEstimate(const CameraModel& camera, const M
     result->ambiguity = ambiguity(result->hypotheses, inflation(smallest, points->size()));
   }
   for (auto& h : result->hypotheses) {
-    h.covariance *= inflation(tails * tails * h.chi_squared, 4) / (tails * tails * inflation(h.chi_squared, 4));
+    h.covariance *=
+        inflation(tails * tails * h.chi_squared, kCorners) / (tails * tails * inflation(h.chi_squared, kCorners));
   }
   result->model_sigma = marker.model_sigma;
   result->image.corner_sigma /= tails;
@@ -53,20 +57,26 @@ std::optional<MarkerEstimate> cornersEstimate(const CameraModel& camera, const M
 }
 
 void openBranches(const MarkerEstimate& by_corners, MarkerEstimate& marker) {
-  if (by_corners.hypotheses.size() < 2 || marker.hypotheses.empty()) return;
+  const auto& open = by_corners.hypotheses;
+  if (open.empty() || marker.hypotheses.empty() || by_corners.branch_known) return;
   const PoseHypothesis decided = marker.best();
   const auto nearer = [&decided](const auto& a, const auto& b) {
     return turnBetween(a, decided) < turnBetween(b, decided);
   };
-  const auto& open = by_corners.hypotheses;
   const auto near = std::min_element(open.begin(), open.end(), nearer);
   const auto far = std::max_element(open.begin(), open.end(), nearer);
+  double likelihood = 1.0, weight = 1.0;  // of the other pose, over those of the fit's
+  if (open.size() > 1) {
+    const double scale = inflation(std::min(near->chi_squared, far->chi_squared), kCorners);
+    likelihood = std::min(1.0, std::exp(0.5 * (near->chi_squared - far->chi_squared) / scale));
+    weight = std::min(1.0, far->weight / std::max(kLeastWeight, near->weight));
+  }
+  if (likelihood <= kUndecided || turnBetween(*far, decided) < kSameBranch) return;
   if (marker.hypotheses.size() == 1) marker.hypotheses.push_back(*far);
-  const double ratio = std::min(1.0, far->weight / std::max(1e-9, near->weight));
   marker.hypotheses.resize(2);
-  marker.hypotheses[0].weight = 1.0 / (1.0 + ratio);
-  marker.hypotheses[1].weight = ratio / (1.0 + ratio);
-  marker.ambiguity = std::min(1.0, by_corners.ambiguity);
+  marker.hypotheses[0].weight = 1.0 / (1.0 + weight);
+  marker.hypotheses[1].weight = weight / (1.0 + weight);
+  marker.ambiguity = likelihood;
 }
 
 }  // namespace seater_perception

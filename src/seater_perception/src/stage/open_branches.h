@@ -17,9 +17,9 @@ constexpr double kUndecided = 0.05;
 std::optional<MarkerEstimate> cornersEstimate(const CameraModel& camera, const MarkerEstimate& marker,
                                               const PosePrior& prior, const PoseParameters& parameters);
 
-/// Adds to `marker`, whose photometric fit has decided, the pose that its corners leave open (`by_corners`, of
-/// cornersEstimate): residuals that are alike from pixel to pixel, as smooth shifts of some tenths of a pixel leave
-/// them, may favour the wrong one by any amount. The fit's choice stays the most probable one.
+/// Adds to `marker`, whose photometric fit has decided, the other pose if its corners do not rule that out
+/// (`by_corners`, of cornersEstimate): residuals that are alike from pixel to pixel, as smooth shifts of some tenths of
+/// a pixel leave them, may favour the wrong one by any amount. The fit's choice stays the most probable one.
 void openBranches(const MarkerEstimate& by_corners, MarkerEstimate& marker);
 
 }  // namespace seater_perception
