@@ -90,6 +90,11 @@ void bindResults(py::module_& m) {
       .def_property_readonly("id", [](const sp::DetectedMarker& marker) { return marker.id; })
       .def_property_readonly("corners", [](const sp::DetectedMarker& marker) { return cornersOf(marker); })
       .def_readonly("size", &sp::DetectedMarker::size)
+      .def_property_readonly(
+          "stage", [](const sp::DetectedMarker& marker) { return sp::nameOf(marker.stage); },
+          "what the pose was fitted to: corners, edges or photometric")
+      .def_readonly("white_cut_off", &sp::DetectedMarker::white_cut_off,
+                    "part of the white in and round it that is at the end of the range: over-exposed")
       .def_readonly("ambiguity", &sp::DetectedMarker::ambiguity,
                     "likelihood of the second hypothesis over that of the first, by the image alone; 0: no second one")
       .def_readonly("hypotheses", &sp::DetectedMarker::hypotheses)

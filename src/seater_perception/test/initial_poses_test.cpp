@@ -1,6 +1,6 @@
 // Both poses under which a marker looks nearly the same.
 
-#include "photometric/initial_poses.h"
+#include "stage/initial_poses.h"
 
 #include <gtest/gtest.h>
 

@@ -6,12 +6,12 @@
 
 #include "marker/photometric_model.h"
 #include "numerics/normal.h"
-#include "photometric/initial_poses.h"
 #include "photometric/kernel/photometric_kernel.h"
 #include "photometric/samples/photometric_samples.h"
 #include "photometric_scene.h"
 #include "pose/marker_pose.h"
 #include "seater_perception/errors.h"
+#include "stage/initial_poses.h"
 
 using namespace seater_perception;
 using Eigen::Isometry3d;

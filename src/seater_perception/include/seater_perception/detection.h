@@ -32,6 +32,16 @@ struct DockHypothesis : PoseHypothesis {
 Matrix6d mixtureCovariance(const std::vector<PoseHypothesis>& hypotheses);
 Matrix6d mixtureCovariance(const std::vector<DockHypothesis>& hypotheses);
 
+/// What a pose was fitted to: chosen marker by marker, by what its part of the image supports.
+enum class PoseStage {
+  corners,     ///< corners of the fitted code (or of cornerSubPix): its edges could not be fitted
+  edges,       ///< corners where its fitted edges meet
+  photometric  ///< the grey levels of all cells
+};
+
+/// "corners", "edges", "photometric".
+const char* nameOf(PoseStage stage);
+
 /// A marker whose pose is known.
 struct DetectedMarker {
   int id = 0;
@@ -44,6 +54,8 @@ struct DetectedMarker {
   /// Likelihood of the second hypothesis over that of the first, by the image alone. 0: clear, or there is no second
   /// one; near 1: undecided by the image; above 1: the prior (upright) overruled the image. Both kinds of refinement.
   double ambiguity = 0.0;
+  PoseStage stage = PoseStage::corners;  ///< that the hypotheses are of
+  double white_cut_off = 0.0;  ///< part of the white in and round it that is at the end of the range: over-exposed
 
   const PoseHypothesis& best() const { return hypotheses.front(); }
   /// Covariance of best().pose for those who see no other hypothesis: covers all of them.

@@ -18,7 +18,7 @@ struct DetectorParameters {
   double min_side = 11.0;
   int search_window = 25;
   double search_constant = 4.0;
-  double min_evidence = 4.3;
+  double min_evidence = 3.3;
   double error_correction_rate = 0.6;
   double corner_window = 0.4;
   int corner_window_min = 2;
@@ -34,7 +34,8 @@ struct DetectorParameters {
     v.integer("search_window", search_window, "px", 5, 255, "own search: window of the adaptive threshold, odd");
     v.number("search_constant", search_constant, "grey levels", 0.5, 100.0,
              "own search: how much darker than its surroundings the print is");
-    v.number("min_evidence", min_evidence, "", 0.5, 20.0, "own search: smallest evidence of a code");
+    v.number("min_evidence", min_evidence, "", 0.5, 20.0,
+             "own search: smallest evidence of a code of DICT_4X4_50; others need less or more, by their rarity");
     v.integer("threshold_window_min", threshold_window_min, "px", 3, 255, "smallest window of the adaptive threshold");
     v.integer("threshold_window_max", threshold_window_max, "px", 3, 255, "largest window of the adaptive threshold");
     v.integer("threshold_window_step", threshold_window_step, "px", 1, 255, "step between the windows");
@@ -61,7 +62,7 @@ struct PoseParameters {
   double tilt_sigma = 0.035;
   double min_hypothesis_weight = 0.02;
   double max_reprojection_error = 1.0;
-  double max_reprojection_fraction = 0.02;
+  double max_reprojection_fraction = 0.05;
   double placement_tolerance = 0.005;
   double placement_sigma = 0.0005;
 
@@ -129,7 +130,7 @@ struct TrackingParameters {
   int full_search_every = 15;
   double margin = 0.6;
   double margin_min = 12.0;
-  double min_evidence = 2.5;
+  double min_evidence = 3.2;
 
   template <typename Visitor>
   void visit(Visitor& v) {

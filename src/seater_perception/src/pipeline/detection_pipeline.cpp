@@ -1,13 +1,19 @@
 #include "pipeline/detection_pipeline.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "image/exposure.h"
 #include "image/image_checks.h"
 #include "pipeline/expected_marker.h"
+#include "stage/initial_poses.h"
+#include "stage/open_branches.h"
 
 namespace seater_perception {
 
 namespace {
+
+constexpr double kQuietZone = 0.15;  // [sides] round a marker: about a cell
 
 /// Only what is not in the layout can be left out of the search.
 std::set<int> idsOf(const DockLayout& layout) {
@@ -35,8 +41,8 @@ void keepNearest(const Eigen::Isometry3d& pose, MarkerEstimate& marker) {
 DetectionResult resultOf(const ImageEstimate& estimate, bool full_search) {
   DetectionResult result;
   for (const MarkerEstimate& m : estimate.markers) {
-    result.markers.push_back(
-        {m.image.id, m.size, m.image.corners, m.image.side(), m.image.edges_fitted, m.hypotheses, m.ambiguity});
+    result.markers.push_back({m.image.id, m.size, m.image.corners, m.image.side(), m.image.edges_fitted, m.hypotheses,
+                              m.ambiguity, m.stage, m.white_cut_off});
   }
   result.dock = estimate.dock;
   result.refused = estimate.refused;
@@ -83,6 +89,11 @@ ImageEstimate DetectionPipeline::evaluate(const SearchResult& found, const std::
   }
   const bool photometric = parameters_.refinement == "photometric";
   if (photometric) refineMarkers(grey, tracked, result);
+  for (MarkerEstimate& marker : result.markers) {
+    const Eigen::AlignedBox2d box = boundingBox(marker.image.corners);
+    const Eigen::Vector2d margin = kQuietZone * box.sizes();
+    marker.white_cut_off = whiteCutOff(grey, {box.min() - margin, box.max() + margin});
+  }
   result.dock = estimateDock(camera_, result.markers, layout_, parameters_.selection, up_, parameters_.pose);
   if (photometric) {
     const PhotometricContext context{grey, camera_, parameters_.pose, refiner_, patterns_};
@@ -113,21 +124,23 @@ void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& 
   for (MarkerEstimate& marker : result.markers) {
     const int id = marker.image.id;
     const PosePrior prior = priorOf(id);
-    // Leaves the poses of the corners where the print contradicts the model; false when nothing was proved.
+    // Leaves the poses of the corners where the image contradicts the model.
     const auto refine = [&](bool as_tracked) {
       keepDecided(dock, marker);
       RefinedMarker refined = refineMarker(context, prior, marker, as_tracked);
+      const bool decided = refined.outcome == MarkerOutcome::refined && refined.marker.ambiguity < kUndecided;
+      if (decided && !as_tracked && refined.deviates) leaveOpen(dock, marker, refined.marker);
       marker = std::move(refined.marker);
-      return refined.outcome == MarkerOutcome::refined || refined.outcome == MarkerOutcome::corners_kept;
+      if (refined.outcome == MarkerOutcome::corners_kept) keepCorners(dock, marker);
+      return refined.outcome;
     };
-    bool fitted = tracked.count(id) && refine(true);
-    if (!fitted) {
-      const bool usable = !tracked.count(id) || startAgain(grey, marker);
-      fitted = usable && refine(false);
+    if (!tracked.count(id) || refine(true) == MarkerOutcome::doubtful) {
+      const bool of_this_image = !tracked.count(id) || startAgain(grey, marker);
+      const bool refined = refine(false) == MarkerOutcome::refined;
+      if (!refined && !of_this_image) marker.hypotheses.clear();  // they are the last image's
     }
-    // The own search is generous with outlines: the grey levels have to prove the code.
-    const bool proved = fitted && marker.image.side() >= parameters_.detector.min_side;
-    if (!proved && (parameters_.detector.search == "own" || marker.hypotheses.empty())) {
+    // Its bits have proved the marker. That the grey levels are not as the model has them does not unmake it.
+    if (marker.hypotheses.empty() || marker.image.side() < parameters_.detector.min_side) {
       ++result.refused;
     } else {
       kept.push_back(marker);
@@ -136,13 +149,31 @@ void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& 
   result.markers = kept;
 }
 
-/// From its corners, with edges; false, and without hypotheses, when they give no pose.
+/// Poses of the corners, when they give one.
+void DetectionPipeline::keepCorners(const std::vector<DockHypothesis>& dock, MarkerEstimate& marker) const {
+  const auto again = cornersEstimate(camera_, marker, priorOf(marker.image.id), parameters_.pose);
+  if (!again) return;
+  marker = *again;
+  keepDecided(dock, marker);
+}
+
+/// Of residuals that are not noise alone, the branch that the corners leave open. `found`: with its corners.
+void DetectionPipeline::leaveOpen(const std::vector<DockHypothesis>& dock, const MarkerEstimate& found,
+                                  MarkerEstimate& refined) const {
+  const bool small = found.image.side() < kLargeMarker;
+  if (!small && found.image.edges_fitted) return;
+  MarkerEstimate by_corners = found;
+  by_corners.model_sigma = refined.model_sigma;
+  keepCorners(dock, by_corners);
+  openBranches(by_corners, refined);
+}
+
+/// From its corners, with edges; false, and nothing changed, when they give no pose.
 bool DetectionPipeline::startAgain(const cv::Mat& grey, MarkerEstimate& marker) const {
   MarkerCorners corners = marker.image;
   corners.psf_sd = corners.edges_fitted ? corners.psf_sd : 0.0;
   if (!corners.edges_fitted) search_.refine(grey, corners);
   const auto again = estimateMarker(camera_, corners, marker.size, priorOf(corners.id), parameters_.pose);
-  marker.hypotheses.clear();
   if (again) marker = *again;
   return again.has_value();
 }

@@ -6,12 +6,12 @@
 #include <set>
 #include <vector>
 
-#include "photometric/photometric_stage.h"
 #include "pose/dock_pose.h"
 #include "search/marker_detector.h"
 #include "seater_perception/camera_model.h"
 #include "seater_perception/dock_layout.h"
 #include "seater_perception/parameters.h"
+#include "stage/dock_stage.h"
 
 namespace cv {
 class Mat;
@@ -50,6 +50,8 @@ class DetectionPipeline {
   std::optional<MarkerEstimate> expected(const MarkerCorners& found, const std::map<int, MarkerEstimate>& last) const;
   void keepDecided(const std::vector<DockHypothesis>& dock, MarkerEstimate& marker) const;
   void refineMarkers(const cv::Mat& grey, const std::set<int>& tracked, ImageEstimate& result);
+  void keepCorners(const std::vector<DockHypothesis>& dock, MarkerEstimate& marker) const;
+  void leaveOpen(const std::vector<DockHypothesis>& dock, const MarkerEstimate& found, MarkerEstimate& refined) const;
   bool startAgain(const cv::Mat& grey, MarkerEstimate& marker) const;
 
   CameraModel camera_;

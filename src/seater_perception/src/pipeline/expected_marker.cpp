@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "photometric/initial_poses.h"
 #include "seater_perception/dock_layout.h"
+#include "stage/initial_poses.h"
 
 namespace seater_perception {
 namespace {

@@ -54,7 +54,8 @@ std::string jsonMarker(const DetectedMarker& m) {
     corners += (i ? ", " : "") + list(2, [&](std::size_t k) { return c[i][static_cast<Eigen::Index>(k)]; });
   }
   return format("{\"id\": %d, \"size\": %.12g, ", m.id, m.size) + "\"corners\": [" + corners + "], " +
-         jsonPose(m.best()) + format(", \"ambiguity\": %.12g, \"side_px\": %.12g}", m.ambiguity, m.side);
+         jsonPose(m.best()) +
+         format(", \"ambiguity\": %.12g, \"side_px\": %.12g, \"stage\": \"%s\"}", m.ambiguity, m.side, nameOf(m.stage));
 }
 
 }  // namespace
@@ -73,11 +74,11 @@ Placement dockPlacement(const Eigen::Isometry3d& T_optical_dock) {
 
 std::string table(const DetectionResult& result) {
   if (result.markers.empty()) return "no markers found\n";
-  std::string text = "   id  distance mm  lateral mm  angle deg  side px  error px  ambiguity\n";
+  std::string text = "   id  distance mm  lateral mm  angle deg  side px  error px  ambiguity  stage\n";
   for (const DetectedMarker& m : result.markers) {
     const Placement p = markerPlacement(m.best().pose);
-    text += format("%5d  %11.1f  %10.1f  %9.2f  %7.1f  %8.3f  %9.2f\n", m.id, 1e3 * p.distance, 1e3 * p.lateral,
-                   kDegrees * p.angle, m.side, m.best().error, m.ambiguity);
+    text += format("%5d  %11.1f  %10.1f  %9.2f  %7.1f  %8.3f  %9.2f  %s\n", m.id, 1e3 * p.distance, 1e3 * p.lateral,
+                   kDegrees * p.angle, m.side, m.best().error, m.ambiguity, nameOf(m.stage));
   }
   for (const DockHypothesis& h : result.dock) {
     const Eigen::Vector3d t = h.pose.translation();

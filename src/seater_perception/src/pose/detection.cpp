@@ -3,6 +3,18 @@
 #include "pose/pose.h"
 
 namespace seater_perception {
+
+const char* nameOf(PoseStage stage) {
+  switch (stage) {
+    case PoseStage::photometric:
+      return "photometric";
+    case PoseStage::edges:
+      return "edges";
+    case PoseStage::corners:
+      break;
+  }
+  return "corners";
+}
 namespace {
 
 template <typename Hypothesis>

@@ -25,6 +25,7 @@ std::optional<MarkerEstimate> estimateMarker(const CameraModel& camera, const Ma
   MarkerEstimate result;
   result.image = marker;
   result.size = size;
+  result.stage = marker.edges_fitted ? PoseStage::edges : PoseStage::corners;
   result.hypotheses = refineAll(camera, *points, squareSolutions(*points));
   weigh(result.hypotheses, points->size(), prior, parameters.tilt_sigma);
   if (result.hypotheses.empty()) return std::nullopt;

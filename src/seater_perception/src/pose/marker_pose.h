@@ -14,6 +14,9 @@ struct MarkerEstimate {
   double size = 0.0;                       ///< side of the print [m]
   std::vector<PoseHypothesis> hypotheses;  ///< of T_optical_marker: one or two, most probable first
   double ambiguity = 0.0;                  ///< see DetectedMarker
+  PoseStage stage = PoseStage::corners;    ///< that the hypotheses are of
+  double model_sigma = 0.0;                ///< [px] of a corner, by what its grey levels deviate from the model
+  double white_cut_off = 0.0;              ///< as of DetectedMarker
   bool branch_known = false;               ///< other markers or images tell which of the two poses it is
 
   const PoseHypothesis& best() const { return hypotheses.front(); }

@@ -6,6 +6,7 @@
 #include <nodelet/nodelet.h>
 #include <tf2_ros/transform_listener.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <mutex>
@@ -173,8 +174,14 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
       dock_pose_.publish(dock);
     }
     const double latency = (ros::Time::now() - header.stamp).toSec();
+    const auto& markers = result.markers;
+    const auto photometric = std::count_if(markers.begin(), markers.end(),
+                                           [](const DetectedMarker& m) { return m.stage == PoseStage::photometric; });
+    double cut_off = 0.0;
+    for (const DetectedMarker& m : markers) cut_off += m.white_cut_off;
     diagnostics_->published({latency, message.processing_time, !message.dock.empty(), result.full_search,
-                             T_now_last.has_value(), result.dock.size() > 1});
+                             T_now_last.has_value(), result.dock.size() > 1, static_cast<int>(markers.size()),
+                             static_cast<int>(photometric), cut_off});
     if (annotated_.getNumSubscribers() > 0) publishAnnotated(grey, header, result, latency, message.processing_time);
   }
 

@@ -5,6 +5,10 @@
 namespace seater_perception {
 namespace {
 
+// Part of the white at the end of the range, from which on bloom moves edges by some tenths of a pixel
+// (marker_fits.cpp).
+constexpr double kOverExposed = 0.3;
+
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -36,6 +40,9 @@ void Diagnostics::published(const ImageReport& image) {
   full_searches_ += image.full_search ? 1 : 0;
   odometry_ += image.odometry ? 1 : 0;
   ambiguous_ += image.ambiguous ? 1 : 0;
+  markers_ += image.markers;
+  photometric_ += image.photometric;
+  cut_off_ += image.cut_off;
   total_full_searches_ += image.full_search ? 1 : 0;
   ++total_images_;
 }
@@ -50,6 +57,7 @@ void Diagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   const ros::WallTime now = ros::WallTime::now();
   const double rate = static_cast<double>(latency_.size()) / std::max(1e-3, (now - since_).toSec());
+  const double cut_off = markers_ > 0 ? cut_off_ / markers_ : 0.0;
   if (!listening_) {
     status.summary(DiagnosticStatus::OK, "idle: nobody listens");
   } else if (errors_ > 0) {
@@ -58,6 +66,8 @@ void Diagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.summary(DiagnosticStatus::WARN, "too few images");
   } else if (largest(latency_) > parameters_.max_latency) {
     status.summary(DiagnosticStatus::WARN, "late");
+  } else if (cut_off > kOverExposed) {
+    status.summary(DiagnosticStatus::WARN, "over-exposed: lower the camera's exposure");
   } else {
     status.summary(DiagnosticStatus::OK, "working");
   }
@@ -71,6 +81,9 @@ void Diagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("images with two poses of the dock", ambiguous_);
   status.add("images with odometry", odometry_);
   status.add("full searches", full_searches_);
+  status.add("markers", markers_);
+  status.add("markers fitted to grey levels [%]", markers_ > 0 ? 100.0 * photometric_ / markers_ : 0.0);
+  status.add("white of and round markers that is cut off [%]", 100.0 * cut_off);
   status.add("errors", errors_);
   status.add("images since start", total_images_);
   status.add("full searches since start", total_full_searches_);
@@ -80,6 +93,8 @@ void Diagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   latency_.clear();
   processing_.clear();
   seen_ = full_searches_ = odometry_ = ambiguous_ = errors_ = 0;
+  markers_ = photometric_ = 0;
+  cut_off_ = 0.0;
 }
 
 }  // namespace seater_perception

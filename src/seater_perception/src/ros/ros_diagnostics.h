@@ -18,6 +18,9 @@ struct ImageReport {
   bool full_search = false;  ///< the whole image was searched
   bool odometry = false;     ///< TF knew how the camera moved
   bool ambiguous = false;    ///< more than one pose of the dock went out
+  int markers = 0;           ///< with a pose
+  int photometric = 0;       ///< of them, those whose pose was fitted to grey levels
+  double cut_off = 0.0;      ///< sum of the markers' DetectedMarker::white_cut_off
 };
 
 /// Rate, latency (stamp to publication) and errors of the last seconds, on /diagnostics once per second of wall time.
@@ -41,6 +44,8 @@ class Diagnostics {
   // Since the last report, and (total_) since the start:
   std::vector<double> latency_, processing_;
   int seen_ = 0, full_searches_ = 0, odometry_ = 0, ambiguous_ = 0, errors_ = 0;
+  int markers_ = 0, photometric_ = 0;
+  double cut_off_ = 0.0;
   long total_images_ = 0, total_full_searches_ = 0, total_errors_ = 0;
   std::string last_error_;
 };

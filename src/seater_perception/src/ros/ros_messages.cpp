@@ -1,12 +1,22 @@
 #include "ros_messages.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <opencv2/imgcodecs.hpp>
 
 #include "seater_perception/errors.h"
 #include "seater_perception/grey_image.h"
 
 namespace seater_perception {
+namespace {
+
+using seater_msgs::MarkerDetection;
+static_assert(static_cast<int>(PoseStage::corners) == MarkerDetection::CORNERS &&
+                  static_cast<int>(PoseStage::edges) == MarkerDetection::EDGES &&
+                  static_cast<int>(PoseStage::photometric) == MarkerDetection::PHOTOMETRIC,
+              "stages are numbered as in the message");
+
+}  // namespace
 
 Calibration toCalibration(const sensor_msgs::CameraInfo& info) {
   if (info.binning_x > 1 || info.binning_y > 1) {
@@ -88,6 +98,7 @@ seater_msgs::MarkerDetectionArray toMessage(const DetectionResult& result, const
     marker.reprojection_error = m.best().error;
     marker.ambiguity = m.ambiguity;
     marker.side_px = m.side;
+    marker.stage = static_cast<std::uint8_t>(m.stage);
     message.markers.push_back(marker);
   }
   for (const DockHypothesis& h : result.dock) {

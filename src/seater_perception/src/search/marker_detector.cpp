@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "image/image_checks.h"
-#include "search/code/marker_decoder.h"
+#include "search/decoder/marker_decoder.h"
 #include "search/opencv_search.h"
 #include "search/outline/edge_fit.h"
 #include "search/outline/quad_search.h"
@@ -24,18 +24,24 @@ constexpr int kSmallestRegion = 12;  // [px]
 // with perception_shadows.
 constexpr int kNarrowWindow = 7;  // [px]
 
+// Where samples were left out as covered and no four edges show, the bits have to prove more: two decades
+// (marker_decoder.cpp).
+constexpr double kDecades = 1.2;
+
 /// Markers on their way to a result.
 struct Found {
   std::vector<MarkerCorners> markers;
   std::set<int> coarse;                 // whose corners have still to be refined
   std::vector<MarkerCorners> repeated;  // of the ids that are seen at several places, each of them
   std::set<int> doubtful;               // these ids
+  std::set<int> weak;                   // whose bits need their edges as a second proof
 };
 
 MarkerCorners cornersOf(const DecodedMarker& decoded) {
   MarkerCorners marker;
   marker.id = decoded.id;
   marker.corners = decoded.corners;
+  marker.surplus = decoded.surplus;
   marker.template_level = decoded.template_level;
   marker.dark = decoded.dark;
   marker.contrast = decoded.contrast;
@@ -103,6 +109,8 @@ std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const Ima
     std::optional<DecodedMarker> decoded;
     if (!strong_shadows) decoded = decoder.decode(image, quad, parameters.min_evidence);
     std::optional<MarkerCorners> marker = inShadow(image, decoded ? decoded->corners : quad, decoded);
+    // What a strong shadow's edge crosses may be read so badly that its corners no longer show the shadow.
+    if (!marker && decoded && decoded->surplus < kDecades) marker = inShadow(image, quad, decoded);
     if (!marker && decoded) marker = cornersOf(*decoded);
     if (marker && marker->side() >= parameters.min_side) markers.push_back(*marker);
   }
@@ -211,6 +219,10 @@ SearchResult MarkerDetector::Implementation::finish(const cv::Mat& grey, Found& 
     if (found.coarse.count(marker.id)) refine(result.lit, marker);
   }
   for (MarkerCorners& marker : result.repeated) refine(result.lit, marker);
+  const auto unproved = [&found](const MarkerCorners& m) { return !m.edges_fitted && found.weak.count(m.id) > 0; };
+  const bool own = parameters.search == "own" && parameters.edge_fit;
+  auto& markers = result.markers;
+  if (own) markers.erase(std::remove_if(markers.begin(), markers.end(), unproved), markers.end());
   return result;
 }
 
@@ -227,7 +239,11 @@ SearchResult MarkerDetector::detect(const cv::Mat& grey, const std::vector<Expec
   checkImage(grey);
   const ImageLevels image(grey);
   Found found = implementation_->search(image, strong_shadows);
-  for (const MarkerCorners& marker : found.markers) found.coarse.insert(marker.id);
+  for (const MarkerCorners& marker : found.markers) {
+    found.coarse.insert(marker.id);
+    const bool chosen = !(marker.contrast > 0.0);
+    if (chosen && marker.surplus < kDecades) found.weak.insert(marker.id);
+  }
   std::vector<ExpectedMarker> missing;
   for (const ExpectedMarker& e : expected) {
     if (!found.coarse.count(e.id) && !found.doubtful.count(e.id)) missing.push_back(e);

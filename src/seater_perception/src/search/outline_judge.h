@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "numerics/quad.h"
-#include "search/code/marker_decoder.h"
+#include "search/decoder/marker_decoder.h"
 #include "seater_perception/parameters.h"
 
 namespace cv {

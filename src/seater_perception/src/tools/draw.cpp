@@ -87,7 +87,7 @@ cv::Mat annotate(const cv::Mat& grey, const CameraModel& camera, const DockLayou
     marker(image, camera, m, scale);
     all.push_back("marker " + std::to_string(m.id) + ": " +
                   words("%.3f m away, %+.3f m right, turned %+.1f deg, ", markerPlacement(m.best().pose)) +
-                  std::to_string(std::lround(m.side)) + " px");
+                  std::to_string(std::lround(m.side)) + " px, by " + nameOf(m.stage));
   }
   if (!result.dock.empty()) {
     dock(image, camera, layout, result.dock.front(), scale);

@@ -1,10 +1,11 @@
-#include "search/code/marker_decoder.h"
+#include "search/decoder/marker_decoder.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "search/code/pattern_alignment.h"
 #include "search/code/template_book.h"
+#include "search/decoder/code_evidence.h"
 
 namespace seater_perception {
 namespace {
@@ -18,7 +19,6 @@ constexpr double kWorthFitting = 0.5;   // correlation before the fit
 // perception_range (false detections, far end).
 constexpr double kSmallestMargin = 0.045;  // of correlation, over the next best code
 constexpr double kLargestBitError = 0.9;   // of what turns a bit round: at 1 it would read as its opposite
-constexpr double kCostOfCovered = 0.25;    // of evidence, for each sample left out: what is chosen proves less
 // Prints cut close on a grey wall (plain_markers_test: down to 0.4 of the contrast below white) or on a white one. The
 // limits were chosen by hand; beyond the lower one, the quiet zone would be nearer to the ink than to the paper.
 constexpr double kDarkestQuiet = -0.7, kLightestQuiet = 0.5;  // of the contrast, over the print's white
@@ -38,19 +38,24 @@ Quad printed(const Quad& quad, int turn) {
 }  // namespace
 
 struct MarkerDecoder::Implementation {
-  Implementation(const MarkerFamily& family, const std::set<int>& ids) : book(family, ids), aligner(book) {}
+  Implementation(const MarkerFamily& family, const std::set<int>& ids)
+      : book(family, ids), aligner(book), evidence(family, ids) {}
 
   TemplateBook book;
   PatternAligner aligner;
+  EvidenceRule evidence;
 
-  std::optional<DecodedMarker> judge(double min_evidence, const Alignment& a) const;
-  std::optional<DecodedMarker> settle(const ImageLevels& image, double min_evidence, Alignment& a) const;
-  std::optional<DecodedMarker> motionBlurred(const ImageLevels& image, double min_evidence,
+  std::optional<DecodedMarker> judge(const ImageLevels& image, const EvidenceThreshold& threshold,
+                                     const Alignment& a) const;
+  std::optional<DecodedMarker> settle(const ImageLevels& image, const EvidenceThreshold& threshold, Alignment& a) const;
+  std::optional<DecodedMarker> motionBlurred(const ImageLevels& image, const EvidenceThreshold& threshold,
                                              const Alignment& still) const;
 };
 
 /// Code, margin and bits of an aligned pattern.
-std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(double min_evidence, const Alignment& a) const {
+std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(const ImageLevels& image,
+                                                                  const EvidenceThreshold& threshold,
+                                                                  const Alignment& a) const {
   DecodedMarker decoded;
   decoded.id = a.id;
   decoded.corners = a.quad;
@@ -62,30 +67,39 @@ std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(double min_evi
   if (a.fit.quiet < kDarkestQuiet * a.fit.gain || a.fit.quiet > kLightestQuiet * a.fit.gain) return std::nullopt;
   decoded.worst_bit = aligner.worstBit(a);
   if (!(decoded.worst_bit < kLargestBitError)) return std::nullopt;
-  const double unexplained = 1.0 - decoded.correlation * decoded.correlation;
-  decoded.evidence = -std::log(std::max(1e-9, unexplained * decoded.worst_bit)) - kCostOfCovered * a.covered();
-  if (decoded.evidence < min_evidence) return std::nullopt;
   const auto likely = book.compare(a.samples, a.level, 2);
   if (likely.empty() || likely[0].id != a.id || likely[0].turn != 0) return std::nullopt;
   decoded.margin = likely.size() > 1 ? likely[0].correlation - likely[1].correlation : 1.0;
   if (decoded.margin < kSmallestMargin) return std::nullopt;
+  decoded.evidence = codeEvidence(decoded.correlation, decoded.worst_bit, decoded.margin, a.covered());
+  decoded.surplus = decoded.evidence - threshold.needed(decoded.worst_bit);
+  if (decoded.surplus < 0.0) return std::nullopt;
+  if (evidence.edgesCount() && !a.motion_blurred) {
+    const double sd = TemplateBook::kTemplateSd[static_cast<std::size_t>(a.level)];
+    const double cost = costOfEdges(codeEdges(image, book, a), meanSide(a.quad) / book.grid().cells(), sd);
+    decoded.evidence -= cost;
+    decoded.surplus -= cost;
+  }
+  if (decoded.surplus < 0.0) return std::nullopt;
   return decoded;
 }
 
 /// Fits and judges; when it fails, once more without what covers the print.
-std::optional<DecodedMarker> MarkerDecoder::Implementation::settle(const ImageLevels& image, double min_evidence,
+std::optional<DecodedMarker> MarkerDecoder::Implementation::settle(const ImageLevels& image,
+                                                                   const EvidenceThreshold& threshold,
                                                                    Alignment& a) const {
-  const auto decoded = judge(min_evidence, a);
+  const auto decoded = judge(image, threshold, a);
   if (decoded || !aligner.leaveOutCovered(a)) return decoded;
-  return aligner.align(image, a) ? judge(min_evidence, a) : std::nullopt;
+  return aligner.align(image, a) ? judge(image, threshold, a) : std::nullopt;
 }
 
 /// What looks like the code, but not sharp enough: perhaps the image moved.
-std::optional<DecodedMarker> MarkerDecoder::Implementation::motionBlurred(const ImageLevels& image, double min_evidence,
+std::optional<DecodedMarker> MarkerDecoder::Implementation::motionBlurred(const ImageLevels& image,
+                                                                          const EvidenceThreshold& threshold,
                                                                           const Alignment& still) const {
   if (still.fit.explained < kPerhapsMotion) return std::nullopt;
   Alignment a = still;
-  return aligner.alignMotionBlurred(image, a) ? judge(min_evidence, a) : std::nullopt;
+  return aligner.alignMotionBlurred(image, a) ? judge(image, threshold, a) : std::nullopt;
 }
 
 MarkerDecoder::MarkerDecoder(const MarkerFamily& family, const std::set<int>& ids)
@@ -108,6 +122,7 @@ std::optional<ShadowEdge> MarkerDecoder::shadowEdge(const ImageLevels& image, co
 std::optional<DecodedMarker> MarkerDecoder::decode(const ImageLevels& image, const Quad& quad,
                                                    double min_evidence) const {
   const Implementation& self = *implementation_;
+  const EvidenceThreshold threshold = self.evidence.anywhere(min_evidence);
   Alignment start;
   start.quad = quad;
   if (!self.aligner.look(image, start) || !self.aligner.hasBorder(start.samples)) return std::nullopt;
@@ -119,7 +134,7 @@ std::optional<DecodedMarker> MarkerDecoder::decode(const ImageLevels& image, con
     a.quad = printed(quad, candidate.turn);
     if (!self.aligner.align(image, a)) continue;
     // When another code is as likely, that is seen here too.
-    if (const auto decoded = self.settle(image, min_evidence, a)) return decoded;
+    if (const auto decoded = self.settle(image, threshold, a)) return decoded;
   }
   return std::nullopt;
 }
@@ -128,6 +143,7 @@ std::optional<DecodedMarker> MarkerDecoder::decodeNear(int id, const ImageLevels
                                                        double reach, double min_evidence, int template_level) const {
   const Implementation& self = *implementation_;
   if (!self.book.has(id)) return std::nullopt;
+  const EvidenceThreshold threshold = self.evidence.whereExpected(min_evidence);
   Alignment a;
   a.id = id;
   a.quad = corners;
@@ -135,12 +151,12 @@ std::optional<DecodedMarker> MarkerDecoder::decodeNear(int id, const ImageLevels
     Alignment same = a;
     same.level = template_level;
     if (self.aligner.align(image, same)) {
-      if (const auto decoded = self.judge(min_evidence, same)) return decoded;
+      if (const auto decoded = self.judge(image, threshold, same)) return decoded;
     }
   }
   if (self.aligner.align(image, a)) {
-    if (const auto decoded = self.settle(image, min_evidence, a)) return decoded;
-    if (const auto decoded = self.motionBlurred(image, min_evidence, a)) return decoded;
+    if (const auto decoded = self.settle(image, threshold, a)) return decoded;
+    if (const auto decoded = self.motionBlurred(image, threshold, a)) return decoded;
   }
   if (!(reach > 0.0)) return std::nullopt;
   const double step = std::max(1.0, kGridStep * meanSide(corners) / self.book.grid().cells());
@@ -160,8 +176,8 @@ std::optional<DecodedMarker> MarkerDecoder::decodeNear(int id, const ImageLevels
     }
   }
   if (best.fit.explained < PatternAligner::kHopeless || !self.aligner.align(image, best)) return std::nullopt;
-  if (const auto decoded = self.settle(image, min_evidence, best)) return decoded;
-  return self.motionBlurred(image, min_evidence, best);
+  if (const auto decoded = self.settle(image, threshold, best)) return decoded;
+  return self.motionBlurred(image, threshold, best);
 }
 
 }  // namespace seater_perception

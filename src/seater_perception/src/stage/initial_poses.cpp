@@ -1,4 +1,4 @@
-#include "photometric/initial_poses.h"
+#include "stage/initial_poses.h"
 
 #include <algorithm>
 #include <cmath>

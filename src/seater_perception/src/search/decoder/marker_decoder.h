@@ -22,9 +22,10 @@ struct DecodedMarker {
   double correlation = 0.0;  ///< of the grey levels, quiet zone and border included, with the code's
   double margin = 0.0;       ///< of correlation over the next best code or orientation
   double worst_bit = 0.0;    ///< largest deviation of a cell, of what would turn its bit round: below 1
-  /// -log((1 - correlation^2) worst_bit): both together. What only resembles a marker has one of them at most.
-  /// Each sample left out as covered counts 0.25 against it.
+  /// -log((1 - correlation^2) worst_bit) + 5 margin: all together. What only resembles a marker has one of them at
+  /// most. Each sample left out as covered counts 0.5 against it.
   double evidence = 0.0;
+  double surplus = 0.0;     ///< evidence beyond what was needed
   int template_level = -1;  ///< template blur level of the fitted code: index into TemplateBook::kTemplateSd
   /// Grey level of its ink, and of its paper over that; contrast 0: a part is covered, or there is motion blur.
   double dark = 0.0, contrast = 0.0;
@@ -42,8 +43,8 @@ class MarkerDecoder {
   MarkerDecoder(MarkerDecoder&&) noexcept;
 
   /// The code that a quadrilateral (clockwise in the image) shows; nothing when there is less than
-  /// `min_evidence`, when another code is about as likely, or when a bit contradicts. Of a large marker, a part of
-  /// border and quiet zone may be covered.
+  /// `min_evidence` (of DICT_4X4_50; less for families whose codes are rarer), when another code is about as likely, or
+  /// when a bit contradicts. Of a large marker, a part of border and quiet zone may be covered.
   std::optional<DecodedMarker> decode(const ImageLevels& image, const Quad& quad, double min_evidence) const;
 
   /// The edge of a shadow across what may be a print here, as its quiet zone shows it.

@@ -1,0 +1,39 @@
+#include "image/exposure.h"
+
+#include <algorithm>
+#include <limits>
+#include <opencv2/core.hpp>
+
+namespace seater_perception {
+namespace {
+
+template <typename Pixel>
+double cutOff(const cv::Mat& part) {
+  double dark = 0.0, light = 0.0;
+  cv::minMaxLoc(part, &dark, &light);
+  const double middle = 0.5 * (dark + light);
+  int white = 0, cut = 0;
+  for (int y = 0; y < part.rows; ++y) {
+    const Pixel* row = part.ptr<Pixel>(y);
+    for (int x = 0; x < part.cols; ++x) {
+      white += static_cast<double>(row[x]) > middle ? 1 : 0;
+      cut += row[x] == std::numeric_limits<Pixel>::max() ? 1 : 0;
+    }
+  }
+  return white > 0 ? static_cast<double>(cut) / white : 0.0;
+}
+
+}  // namespace
+
+double whiteCutOff(const cv::Mat& grey, const Eigen::AlignedBox2d& part) {
+  const auto whole = [](double x, int limit) {
+    return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(limit)));
+  };
+  const cv::Point first(whole(part.min().x(), grey.cols), whole(part.min().y(), grey.rows));
+  const cv::Point last(whole(part.max().x() + 1.0, grey.cols), whole(part.max().y() + 1.0, grey.rows));
+  const cv::Rect rect(first, last);
+  if (rect.empty()) return 0.0;
+  return grey.depth() == CV_16U ? cutOff<ushort>(grey(rect)) : cutOff<uchar>(grey(rect));
+}
+
+}  // namespace seater_perception

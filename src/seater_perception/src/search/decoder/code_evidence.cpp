@@ -1,0 +1,75 @@
+#include "search/decoder/code_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seater_perception {
+namespace {
+
+// The table "Evidence of a code" in docs/results/perception.md; perception_range (false detections, far end) notices.
+
+// Above it, a bit is doubtful, and the code has to prove a decade (kEvidencePerDecade) more. Marks of other
+// dictionaries have one such bit at least; of the markers of photographs with so little evidence, none has.
+constexpr double kDoubtfulBit = 0.7;
+// Of evidence, for each sample left out: what is chosen proves less. At half of it, boards of squares are taken for
+// codes that are nearly one (DICT_4X4_50 has such: 17).
+constexpr double kCostOfCovered = 0.5;
+// A code that stands clear of all others is proved, however a camera has changed its edges. The more codes there are to
+// choose from, the smaller that margin; the dock's few ids must not prove more than all of a family would.
+constexpr double kWorthOfMargin = 5.0, kMostMargin = 0.15;
+// How much evidence less makes a false code ten times as frequent (same table), and where bits alone decide: no image
+// without markers has ever shown a code of 25 bits or more with all bits on their sides and this evidence.
+constexpr double kEvidencePerDecade = 0.6, kLeastEvidence = 2.5;
+// Where only some ids are looked for, which of the others is likelier is not seen, and the margin proves less. Chosen
+// by hand: marks of other dictionaries reach 0.37 more than with all ids.
+constexpr double kSomeIds = 0.4;
+// Codes of so many bits need no second proof: see kLeastEvidence.
+constexpr int kEnoughBits = 25;
+// Edges of what only resembles a code lie beside their places, and the fit takes that for blur. By the spread of grey
+// levels on them, where the image has room to show it (cells from 4 to 5 px on) and the fit is blurred (from 0.12 to
+// 0.2 cells on; a sharp one has lost its evidence already), and by how far that is in cells (3 to 4 px: of less, noise
+// decides). The table "Edges of a code" in docs/results/perception.md.
+constexpr double kSpread = 0.17, kCostOfSpread = 150.0, kRoom = 4.0;              // [contrast], [1/contrast], [px]
+constexpr double kSharp = 0.12, kBlurred = 0.2;                                   // [cells]
+constexpr double kDisplaced = 0.13, kCostOfDisplacement = 20.0, kSomeRoom = 3.0;  // [cells], [1/cell], [px]
+// Grey level's change over the displacement of an edge, where a Gaussian of 1 cell blurs it: 1 / sqrt(2 pi).
+constexpr double kSlope = 0.3989;
+constexpr double kReference = 200.0 / 65536.0;  // of all patterns, those that are codes of DICT_4X4_50
+
+}  // namespace
+
+double codeEvidence(double correlation, double worst_bit, double margin, double covered) {
+  const double unexplained = 1.0 - correlation * correlation;
+  return -std::log(std::max(1e-9, unexplained * worst_bit)) - kCostOfCovered * covered +
+         kWorthOfMargin * std::min(kMostMargin, margin);
+}
+
+double costOfEdges(const CodeEdges& edges, double cell, double psf_sd) {
+  const auto from = [](double start, double x) { return std::clamp(x - start, 0.0, 1.0); };
+  const double blurred = std::clamp((psf_sd - kSharp) / (kBlurred - kSharp), 0.0, 1.0);
+  const double displaced = edges.spread * psf_sd / kSlope;
+  return kCostOfSpread * from(kRoom, cell) * blurred * std::max(0.0, edges.spread - kSpread) +
+         kCostOfDisplacement * from(kSomeRoom, cell) * std::max(0.0, displaced - kDisplaced);
+}
+
+double EvidenceThreshold::needed(double worst_bit) const {
+  return evidence + (worst_bit > kDoubtfulBit ? doubtful_bit : 0.0);
+}
+
+/// The fewer of all patterns are codes, the rarer one is seen by chance.
+EvidenceRule::EvidenceRule(const MarkerFamily& family, const std::set<int>& ids)
+    : some_ids_(!ids.empty() && static_cast<int>(ids.size()) < family.count()),
+      few_bits_(family.bits() * family.bits() < kEnoughBits) {
+  const double patterns = std::exp2(family.bits() * family.bits());
+  rarity_ = kEvidencePerDecade * std::log10(4.0 * family.count() / patterns / kReference);
+}
+
+EvidenceThreshold EvidenceRule::whereExpected(double min_evidence) const {
+  return {std::max(std::min(min_evidence, kLeastEvidence), min_evidence + rarity_), 0.0};
+}
+
+EvidenceThreshold EvidenceRule::anywhere(double min_evidence) const {
+  return {whereExpected(min_evidence).evidence + (some_ids_ ? kSomeIds : 0.0), kEvidencePerDecade};
+}
+
+}  // namespace seater_perception

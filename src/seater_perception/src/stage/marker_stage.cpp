@@ -1,0 +1,106 @@
+#include "stage/marker_stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "seater_perception/dock_layout.h"
+#include "stage/fitted_hypotheses.h"
+#include "stage/initial_poses.h"
+#include "stage/marker_fits.h"
+
+namespace seater_perception {
+namespace {
+
+// Residuals at edges over those of flat pixels: from here on, the image is not what the model says
+// (docs/explanation/perception.md).
+constexpr double kMisfit = 1.8;
+constexpr double kCoarseCorners = 0.25;  // [cells] error of corners that no edge confirms
+constexpr double kUnknown = 1.5;  // of corner_sigma_coarse: the same where no fit says anything (binarised images)
+constexpr double kBlurredCorners = 0.25;  // [standard deviations of the PSF] the same of blurred edges
+// [px] of a corner: what taking away a shadow's edge leaves; by the normalised errors of `perception_shadows`.
+constexpr double kShadowSigma = 0.06;
+
+/// Corners as the pose has them, with their own standard deviation.
+void placeCorners(const CameraModel& camera, const PoseHypothesis& hypothesis, double smallest_sigma,
+                  MarkerEstimate& marker) {
+  std::array<Eigen::Vector2d, 4> corners;
+  double variance = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector3d arm = hypothesis.pose.linear() * markerCorners(marker.size)[i];
+    const Eigen::Vector3d point = arm + hypothesis.pose.translation();
+    const auto pixel = camera.project(point);
+    if (!pixel) return;
+    corners[i] = *pixel;
+    const Eigen::Matrix<double, 2, 6> J = pixelByPose(camera, arm, point);
+    variance += (J * hypothesis.covariance * J.transpose()).trace() / 8.0;
+  }
+  marker.image.corners = corners;
+  marker.image.corner_sigma = std::max(smallest_sigma, std::sqrt(variance));
+}
+
+/// Leaves out what says nothing and what the corners contradict. False when the corners cannot be undistorted.
+bool compareWithCorners(const PhotometricContext& context, const MarkerEstimate& marker, int cells, double fit_sigma,
+                        double doubt, std::vector<PoseHypothesis>& hypotheses) {
+  Correspondences seen;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!seen.add(markerCorners(marker.size)[i], marker.image.corners[i], 1.0, context.camera)) return false;
+  }
+  const double allowed = std::max(context.pose.model_sigma, marker.image.shadow ? kShadowSigma : 0.0);
+  const double sigma = std::hypot(allowed, fit_sigma);
+  addModelError(context.camera, seen, sigma, hypotheses);
+  // Residuals that are not noise are alike from pixel to pixel: they prove as much less as they are larger.
+  for (auto& h : hypotheses) h.chi_squared /= doubt;
+  for (auto& h : hypotheses) h.error = reprojectionError(context.camera, seen, h.pose);
+  // Corners that no edge confirms may be some tenths of a cell off, those of blurred edges a part of the PSF.
+  const double side = marker.image.side();
+  const double coarse =
+      marker.image.edges_fitted ? kBlurredCorners * marker.image.psf_sd : kCoarseCorners * side / cells;
+  const double limit = largestError(side, context.pose) + coarse;
+  const auto unbelievable = [&](const PoseHypothesis& h) { return !meaningful(h) || h.error > limit; };
+  hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), unbelievable), hypotheses.end());
+  return true;
+}
+
+}  // namespace
+
+RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& prior, const MarkerEstimate& marker,
+                           bool tracked) {
+  MarkerFits fits(context, marker, tracked);
+  const double psf_sd = marker.image.edges_fitted || tracked ? marker.image.psf_sd : 0.0;
+  auto hypotheses = fits.fit(context.refiner, psf_sd);
+  if (tracked && (hypotheses.empty() || fits.misfit() > kMisfit)) return {MarkerOutcome::doubtful, marker, true};
+  if (hypotheses.empty() && psf_sd > 0.0) hypotheses = fits.fit(context.refiner, 0.0);
+  if (hypotheses.empty() && marker.image.side() > kLargeMarker) {
+    // The quiet zone may be darker than the print's white (cut close and pasted on a wall): the print alone, then.
+    PhotometricParameters print_only = context.refiner.parameters();
+    print_only.quiet_zone = 0.0;
+    PhotometricRefiner refiner(print_only);
+    hypotheses = fits.fit(refiner, psf_sd);
+  }
+  RefinedMarker refined{MarkerOutcome::corners_kept, marker, fits.modelSigma() > 0.0};
+  // Of fits that failed, residuals say little, but corners are not as far off as any part of a cell.
+  const double coarse = context.pose.corner_sigma_coarse;
+  const double shown = std::min(fits.modelSigma(), kCoarseCorners * marker.image.side() / fits.cells());
+  refined.marker.model_sigma = fits.modelSigma();
+  if (hypotheses.empty()) refined.marker.model_sigma = shown > 0.0 ? std::max(coarse, shown) : kUnknown * coarse;
+  if (hypotheses.empty() ||
+      !compareWithCorners(context, marker, fits.cells(), fits.modelSigma(), fits.doubt(), hypotheses) ||
+      hypotheses.empty())
+    return refined;
+  // Where the model does not hold (bent print, grown cells, a camera that sharpens), the outer edges are what its size
+  // means; but not where a shadow's edge crosses them.
+  if (marker.image.edges_fitted && !marker.image.shadow && fits.misfit() > kMisfit) {
+    refined.marker.model_sigma = shown;
+    return refined;
+  }
+  weighByPrior(hypotheses, prior, context.pose.tilt_sigma);
+  refined.outcome = MarkerOutcome::refined;
+  refined.marker.stage = PoseStage::photometric;
+  refined.marker.hypotheses = hypotheses;
+  refined.marker.image.psf_sd = fits.psfSd();
+  placeCorners(context.camera, hypotheses.front(), context.pose.corner_sigma, refined.marker);
+  refined.marker.ambiguity = ambiguity(hypotheses, 1.0);
+  return refined;
+}
+
+}  // namespace seater_perception

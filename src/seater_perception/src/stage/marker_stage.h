@@ -1,0 +1,43 @@
+// Poses of detected markers, refined by grey levels where the image model holds.
+#pragma once
+
+#include "pose/marker_pose.h"
+#include "stage/pattern_book.h"
+
+namespace cv {
+class Mat;
+}
+
+namespace seater_perception {
+
+/// What all refinements in one image share.
+struct PhotometricContext {
+  const cv::Mat& grey;
+  const CameraModel& camera;
+  const PoseParameters& pose;
+  PhotometricRefiner& refiner;
+  PatternBook& patterns;
+};
+
+/// How the refinement of a marker ended.
+enum class MarkerOutcome {
+  refined,       ///< poses are those of the grey levels, corners those of the best pose
+  corners_kept,  ///< no fit converged, or camera or print are not as the model has them (sharpened, bent, cells of
+                 ///< another width): poses stay those of the corners
+  doubtful       ///< of a tracked marker: the same; to be done again from its edges
+};
+
+struct RefinedMarker {
+  MarkerOutcome outcome = MarkerOutcome::corners_kept;
+  MarkerEstimate marker;  ///< poses are changed only when the outcome is `refined`, model_sigma is set always
+  bool deviates = false;  ///< what the fit has left over is more than noise
+};
+
+/// Poses of a detected marker. Fits begin at all its hypotheses which the corners cannot tell apart; what remains is
+/// weighed by the photometric residual and the prior. Covariances are the fit's own, and what camera and print deviate
+/// from its model. `tracked`: the marker is an expectedMarker, whose poses, point spread function and brightness are
+/// near.
+RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& prior, const MarkerEstimate& marker,
+                           bool tracked);
+
+}  // namespace seater_perception
