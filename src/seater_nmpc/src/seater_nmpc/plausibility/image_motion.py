@@ -115,7 +115,8 @@ def _sd(measurement: Measurement, middle: Array) -> float:
 
 
 def _slopes(times: Array, places: Array, sds: Array) -> Array | None:
-    """Of the lines through all images but one, (n, 2) [m/s]; None where no line fits the others to any of them."""
+    """Of the lines through all images but one, (n, 2) [m/s], as far as they fit those; None where none does. A plainly
+    wrong image is left out, and of those that fit the smallest slope counts."""
     slopes, fits = [], []
     for left_out in range(len(times)):
         kept = np.arange(len(times)) != left_out
@@ -124,7 +125,7 @@ def _slopes(times: Array, places: Array, sds: Array) -> Array | None:
         off = np.hypot(*(there - np.outer(t, slope)).T)
         slopes.append(slope)
         fits.append(bool(np.all(off <= _CERTAIN * sds[kept] + _ON_THE_LINE)))
-    return np.array(slopes) if any(fits) else None
+    return np.array(slopes)[fits] if any(fits) else None
 
 
 def _smallest(values: Array) -> float:

@@ -38,7 +38,7 @@ _CONSTANT = (0.04, 0.04, 0.04)
 _STEP = (0.015, 0.015)  # [m, rad] driven or turned from one image that is used to the next
 _DRIFTS = 0.015  # [rad/s] of a gyro's bias, beyond which values of millimetres are not to be had from its heading
 _FIRST = 0.1  # [m, rad] that the first image may be off the observer's dock
-# What no length of driving makes surer, as floors and castors are not quite what drift.py says: in two attempts on patchy
+# What no length of driving makes surer: floors and castors are not quite what drift.py says. In two attempts on patchy
 # floor 22 mm were seen where nothing was wrong, at 6.7 standard deviations without this.
 _MODEL = np.array([0.004, 0.004, 0.0005, 0.001])
 _GATE = 16.3  # chi-square, 99.9 %
