@@ -22,6 +22,20 @@ std::pair<double, double> typical(std::vector<Seen>::iterator first, std::ptrdif
   return {white, (first + quarter / 2)->second};
 }
 
+/// Median of absolute steps between whole grey levels: those that are the same level stand for all within half a level
+/// of it, evenly. Without that, a noise of 3 levels would come out as 2.1 or 3.1.
+double groupedMedian(std::vector<float>& steps) {
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const double level = *middle, low = std::max(0.0, level - 0.5), high = level + 0.5;
+  double below = 0.0, within = 0.0;
+  for (const float step : steps) {
+    below += step < low ? 1.0 : 0.0;
+    within += step >= low && step <= high ? 1.0 : 0.0;
+  }
+  return low + (0.5 * static_cast<double>(steps.size()) - below) / within * (high - low);
+}
+
 }  // namespace
 
 std::vector<Brightness> PhotometricProblem::initialBrightness(const PhotometricState& state) const {
@@ -69,9 +83,7 @@ double PhotometricProblem::flatNoise() const {
     const std::size_t stride = samples.steps.size() / kNoiseSteps + 1;
     for (std::size_t i = 0; i < samples.steps.size(); i += stride) sorted.push_back(std::abs(samples.steps[i]));
   }
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return *middle / kNormalMedian * M_SQRT1_2;
+  return groupedMedian(sorted) / kNormalMedian * M_SQRT1_2;
 }
 
 template <typename Is>

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import random
 import signal
 import socket
 import subprocess
@@ -10,12 +11,27 @@ import time
 from collections.abc import Mapping
 from pathlib import Path
 
+# Below what systems hand out by themselves (Linux: from 32768 on): a connection that any program opens until the master
+# has started would get the port that was free a moment ago.
+_PORTS = range(12000, 32000)
+_TRIES = 100
+
 
 def free_port() -> int:
-    """A TCP port that nobody uses right now."""
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        return int(probe.getsockname()[1])
+    """A TCP port that nobody uses right now, or is handed by the system soon.
+
+    Raises:
+        OSError: after many ports that are all in use.
+    """
+    draw = random.SystemRandom()  # another process that was started with the same seed draws other ones
+    for port in (draw.choice(_PORTS) for _ in range(_TRIES)):
+        with socket.socket() as probe:
+            try:
+                probe.bind(("localhost", port))
+            except OSError:
+                continue
+            return port
+    raise OSError(f"no free TCP port among {_TRIES} of {_PORTS.start} to {_PORTS.stop - 1}")
 
 
 class LaunchProcess:
