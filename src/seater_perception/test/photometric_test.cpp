@@ -380,6 +380,19 @@ TEST(Photometric, BlurGivenOrEstimated) {
   EXPECT_NEAR(estimated.noise_sd, 2.0, 0.2);
 }
 
+// Steps between whole grey levels have a median of 3 levels or 4: a noise of 2.6 came out as 2.1 or 3.1, and mere noise
+// looked like a fault of the model.
+TEST(Photometric, NoiseOfFlatPixelsIsNotRoundedToWholeSteps) {
+  const View view = photo_scene::single(0.1, 0.6, 0.2);
+  const cv::Mat clean = photo_scene::clean(view);
+  std::mt19937 random(4);
+  for (const double noise : {1.4, 1.8, 2.2, 2.6, 3.0, 3.4}) {
+    const auto result = refine(view, photo_scene::withNoise(clean, noise, 9), photo_scene::initialNear(view, random));
+    ASSERT_TRUE(result.converged);
+    EXPECT_NEAR(result.flat_noise / rounded(noise), 1.0, 0.1) << noise;
+  }
+}
+
 TEST(Photometric, BrightnessThatChangesOverTheMarkerDoesNotPull) {
   const View view = photo_scene::single(0.1, 0.6, 0.2);
   cv::Mat clean = photo_scene::clean(view);
