@@ -1,8 +1,8 @@
 #include "image/exposure.h"
 
-#include <algorithm>
 #include <limits>
-#include <opencv2/core.hpp>
+
+#include "image/pixel_rect.h"
 
 namespace seater_perception {
 namespace {
@@ -26,12 +26,7 @@ double cutOff(const cv::Mat& part) {
 }  // namespace
 
 double whiteCutOff(const cv::Mat& grey, const Eigen::AlignedBox2d& part) {
-  const auto whole = [](double x, int limit) {
-    return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(limit)));
-  };
-  const cv::Point first(whole(part.min().x(), grey.cols), whole(part.min().y(), grey.rows));
-  const cv::Point last(whole(part.max().x() + 1.0, grey.cols), whole(part.max().y() + 1.0, grey.rows));
-  const cv::Rect rect(first, last);
+  const cv::Rect rect = pixelRect(grey, part);
   if (rect.empty()) return 0.0;
   return grey.depth() == CV_16U ? cutOff<ushort>(grey(rect)) : cutOff<uchar>(grey(rect));
 }

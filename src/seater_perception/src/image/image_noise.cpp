@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <opencv2/core.hpp>
 #include <vector>
+
+#include "image/pixel_rect.h"
 
 namespace seater_perception {
 namespace {
@@ -37,12 +38,7 @@ double noiseOf(const cv::Mat& grey, const cv::Rect& part) {
 }  // namespace
 
 double whiteNoise(const cv::Mat& grey, const Eigen::AlignedBox2d& part) {
-  const auto whole = [](double x, int limit) {
-    return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(limit)));
-  };
-  const cv::Point first(whole(part.min().x(), grey.cols), whole(part.min().y(), grey.rows));
-  const cv::Point last(whole(part.max().x() + 1.0, grey.cols), whole(part.max().y() + 1.0, grey.rows));
-  const cv::Rect rect(first, last);
+  const cv::Rect rect = pixelRect(grey, part);
   if (rect.width < kSmallest || rect.height < kSmallest) return 0.0;
   return grey.depth() == CV_16U ? noiseOf<ushort>(grey, rect) : noiseOf<uchar>(grey, rect);
 }
