@@ -23,8 +23,6 @@ from seater_nmpc.plausibility.response import Response
 
 Array = NDArray[np.float64]
 
-_SAME_PLACE = (0.001, 0.002)  # [m, rad] by the odometry
-_LATE = 2.0  # times blocked_time, how old the images may be that tell blocked wheels from odometry that is frozen
 _CONFIRMED = (2, 3)  # so many of the last images must contradict the odometry: two wrong ones at once may do it once
 
 
@@ -107,18 +105,8 @@ class Watch:
         return found if sum(self._suspected) >= _CONFIRMED[0] else None
 
     def _odometry_stands(self, now: float) -> Contradiction | None:
-        """Whether a chair that stands by its odometry moves by the few images of this time: they come late, so those
-        count that were taken since it stands by its odometry."""
-        newest, since = self._observer.odometry.newest, now - _LATE * self._parameters.blocked_time
-        if newest is None:
-            return None
-        recent = [
-            (chair, offered)
-            for chair, offered in self._shown()
-            if chair.stamp >= since
-            and newest.driven - chair.driven <= _SAME_PLACE[0]
-            and newest.turned - chair.turned <= _SAME_PLACE[1]
-        ]
+        """Whether a chair that stands by its odometry moves by the few images of this time."""
+        recent = [entry for entry in self._shown() if entry[0].stamp >= now - self._parameters.blocked_time]
         speeds = speeds_by_images(recent, self._middle, fewest=3)
         strict = replace(self._parameters, image_share=0.0)  # tyres that stand do not slip
         return contradiction(speeds, strict) if speeds is not None else None
