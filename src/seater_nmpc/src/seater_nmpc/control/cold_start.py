@@ -41,12 +41,12 @@ def heading_for_target(state: Array, lengths: Array, limits: Limits) -> Array | 
     states[0] = [x, y, heading, 0.0, 0.0]
     for i, length in enumerate(lengths.tolist()):
         to_carrot = math.atan2(-pose[1], -_CARROT * min(float(pose[0]), -0.1))
-        off = math.remainder(to_carrot - float(pose[2]), 2.0 * math.pi)
+        off = math.remainder(to_carrot - heading, 2.0 * math.pi)
         omega = min(max(_STEERING * off, -_BRISK * limits.omega_max), _BRISK * limits.omega_max)
         # As far away as it still is, it can stop in time.
         fast = min(_BRISK * limits.v_max, math.sqrt(limits.a_max * max(0.0, -float(pose[0]))))
         v = min(max(fast, v - limits.a_max * length), v + limits.a_max * length)
-        turned = arc_step(np.array([pose[0], pose[1], pose[2]]), v, omega, length)
-        pose = np.array([turned[0], turned[1], pose[2] + omega * length])  # unwound, as the solver counts it
+        heading += omega * length  # unwound, as the solver counts it
+        pose = np.append(arc_step(pose, v, omega, length)[:2], heading)
         states[i + 1] = [*pose, v, omega]
     return states

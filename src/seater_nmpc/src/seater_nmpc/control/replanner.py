@@ -97,13 +97,12 @@ class Replanner:
         cold = self._start is None
         warm = self._warm_start(areas, stamp, T_dock_target)
         outlines = [transform_points(inverse(T_dock_target), outline) for outline in obstacles]
-        began, solution = time.thread_time(), None
+        solution = None
         for start in [warm] if warm is not None else self._cold_starts(state, areas):
             other = self._solve_from(start, cold, state, areas, outlines, acceleration, slow)
             if solution is None or self._better(other, solution):
                 solution = other
         assert solution is not None  # there is one start at least
-        self.solve_cpu = time.thread_time() - began
         if self.usable(solution):
             self._keep(solution, stamp, T_dock_target)
         else:
@@ -124,7 +123,9 @@ class Replanner:
         limit = self._cold_limit if cold else self._limit
         for _ in range(_COLD_ROUNDS if cold and outlines else 1):
             lines = self._problem.obstacle_lines(outlines, self._problem.states(start.x))
-            solution = self._solver.solve(self._problem.data(state, areas, lines, acceleration, slow), start, limit)
+            data, began = self._problem.data(state, areas, lines, acceleration, slow), time.thread_time()
+            solution = self._solver.solve(data, start, limit)
+            self.solve_cpu = time.thread_time() - began
             if not self.usable(solution):
                 break
             start = WarmStart(solution.x)

@@ -120,7 +120,7 @@ class ControlParameters:
         0.045, "s", "wall time after which a solve is stopped; not used in lock-step", low=0.001, high=100.0
     )
     max_wall_time_cold: float = param(
-        1.0, "s", "the same for the first solve of a goal, made while standing", low=0.001, high=100.0
+        1.0, "s", "the same for each first solve of a goal (one or two), standing", low=0.001, high=100.0
     )
     integrator: str = param("arc", "", "prediction step; `paper` always takes euler", choices=("arc", "euler"))
     control_period: float = param(0.05, "s", "between two control cycles", low=0.01, high=0.5)
