@@ -1,8 +1,6 @@
 """The command from the outside: files, exit codes, replay; a dead process costs one run; Dask is optional."""
 
 import json
-import os
-import signal
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,6 +9,7 @@ from typing import Any
 import pytest
 import yaml
 from campaign_plans import CONFIG, load
+from mortal_jobs import square_or_die
 
 from seater_common.params import ParameterError
 from seater_eval.campaign.command import main
@@ -28,7 +27,7 @@ def run(folder: Path, *arguments: str) -> int:
 def test_two_shards_merged_are_the_campaign_and_a_case_can_be_replayed(tmp_path: Path, capsys: Any) -> None:
     for shard in ("1/2", "2/2"):
         assert run(tmp_path, "--runs", "2", "--shard", shard, "--workers", "1") in (0, 1)
-    assert run(tmp_path / "all", "merge", str(tmp_path)) in (0, 1)
+    assert run(tmp_path / "all", "merge", str(tmp_path), "--figures", "1") in (0, 1)
     names = {path.name for path in (tmp_path / "all").iterdir()}
     assert {"docking_campaign.json", "docking_campaign.csv", "docking_campaign.html"} <= names
     first, second = json.loads((tmp_path / "all" / "docking_campaign.json").read_text())["rows"]
@@ -63,12 +62,6 @@ def test_impossible_options_are_refused(arguments: list[str], tmp_path: Path) ->
     with pytest.raises(SystemExit) as ended:
         run(tmp_path, *arguments)
     assert ended.value.code == 2
-
-
-def square_or_die(number: int) -> int:
-    if number == 4:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return number * number
 
 
 def test_a_process_that_dies_costs_its_own_result_alone() -> None:
