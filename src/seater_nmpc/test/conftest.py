@@ -16,8 +16,9 @@ for package in ("seater_nmpc", "seater_common"):
     sys.path.insert(0, str(SOURCES / package / "src"))
 
 from seater_common.camera_model import CameraModel  # noqa: E402
-from seater_common.geometry import Chair, Dock, clearance, pose_matrix  # noqa: E402
+from seater_common.geometry import Chair, Dock, pose_matrix  # noqa: E402
 from seater_common.se2 import arc_step, compose, inverse  # noqa: E402
+from seater_common.way_clearance import smallest_clearance  # noqa: E402
 from seater_nmpc.control.command import Command  # noqa: E402
 from seater_nmpc.control.controller import DockingController  # noqa: E402
 from seater_nmpc.observe.measurement import Hypothesis  # noqa: E402
@@ -85,7 +86,7 @@ class World:
     @property
     def smallest_clearance(self) -> float:
         """Between the footprint and the bay's walls, on the whole way [m]."""
-        return min(clearance(self.chair, self.dock.bay, pose) for pose in self.track)
+        return smallest_clearance(self.chair, self.dock.bay, self.track)
 
     def run(self, seconds: float, until: Callable[[Step], bool] = lambda step: False) -> Step:
         """Control cycles every 50 ms until the goal is done, `until` holds or the time is over."""

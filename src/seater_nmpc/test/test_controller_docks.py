@@ -8,8 +8,8 @@ import pytest
 from conftest import AT_ONCE
 from driving import CHAIR, DOCK, PERIOD, drive
 
-from seater_common.geometry import clearance
 from seater_common.se2 import arc_step
+from seater_common.way_clearance import smallest_clearance
 from seater_nmpc.control.command import Status
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.control.limits import in_bay
@@ -28,7 +28,7 @@ def test_docks_exactly_within_limits_and_clear_of_the_walls(controller, start) -
     assert np.max(np.abs(rates[:, 0])) <= limits.a_max + 1e-9 and np.max(np.abs(rates[:, 1])) <= limits.alpha_max + 1e-9
     inside = [in_bay(CHAIR, DOCK.bay, pose) for pose in poses[:-1]]
     assert any(inside) and np.max(np.abs(speeds[inside, 0])) <= limits.v_bay_max + 1e-9
-    assert min(clearance(CHAIR, DOCK.bay, pose) for pose in poses) > controller.parameters.margin - 0.01
+    assert smallest_clearance(CHAIR, DOCK.bay, poses) > controller.parameters.margin - 0.01
     assert all(command.status is Status.SOLVED for command in commands)
     assert controller.counters.consecutive_failures == 0
 
@@ -50,7 +50,7 @@ def test_papers_poses_in_free_space(in_free_space, start) -> None:
 def test_drives_backward_to_the_predock_point(controller) -> None:
     poses, commands = drive(controller, (0.0, 0.0, 0.0), 11.0, "predock")
     assert poses[-1] == pytest.approx([DOCK.predock_x, 0.0, 0.0], abs=1e-3)
-    assert min(c.v for c in commands) < -0.1 and min(clearance(CHAIR, DOCK.bay, pose) for pose in poses) > 0.0
+    assert min(c.v for c in commands) < -0.1 and smallest_clearance(CHAIR, DOCK.bay, poses) > 0.0
 
 
 def test_ten_lines_without_ros() -> None:
@@ -113,5 +113,5 @@ def test_told_nothing_a_chair_that_obeys_at_once_loses_nothing() -> None:
     """The defaults are those of a slower chair; that this one is quick is learned on the way."""
     poses, commands = drive(DockingController(CHAIR, DOCK, deterministic=True), (-2.5, 0.8, math.degrees(-0.35)), 15.0)
     assert np.hypot(*poses[-1, :2]) < 3e-4 and abs(math.degrees(poses[-1, 2])) < 0.05
-    assert min(clearance(CHAIR, DOCK.bay, pose) for pose in poses) > 0.04
+    assert smallest_clearance(CHAIR, DOCK.bay, poses) > 0.04
     assert all(command.status is Status.SOLVED for command in commands)

@@ -7,7 +7,7 @@ import pytest
 from chairs import SlowChair
 from driving import CHAIR, DOCK
 
-from seater_common.geometry import clearance
+from seater_common.way_clearance import smallest_clearance
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.drive.axis import AxisDrive
 from seater_nmpc.parameters import ControlParameters
@@ -34,7 +34,7 @@ def test_a_slow_chair_with_deadbands_is_learned_and_docked(offset: bool) -> None
     assert 0.28 - 1e-6 <= history.drive.lag_omega <= 0.36 + 1e-6
     assert history.drive.v == AxisDrive(1.0, 0.02, True) if offset else history.drive.v.deadband <= 0.03
     assert 0.02 <= history.drive.omega.deadband <= 0.065
-    assert min(clearance(CHAIR, DOCK.bay, pose) for pose in poses) > 0.03
+    assert smallest_clearance(CHAIR, DOCK.bay, poses) > 0.03
     assert np.hypot(*poses[-1, :2]) < 0.005 and abs(math.degrees(poses[-1, 2])) < 0.6
     assert np.max(poses[:, 0]) < 0.015
 

@@ -7,8 +7,8 @@ import pytest
 from conftest import AT_ONCE
 from driving import CHAIR, DOCK
 
-from seater_common.geometry import clearance
 from seater_common.se2 import arc_step
+from seater_common.way_clearance import smallest_clearance
 from seater_nmpc.control.command import Status
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.parameters import ControlParameters
@@ -48,7 +48,7 @@ def test_slow_cycles_dock_within_the_limits(controller, rate: float, start) -> N
     assert np.max(np.abs(speeds[:, 0])) <= LIMITS.v_max and np.max(np.abs(speeds[:, 1])) <= LIMITS.omega_max
     assert all(command.status is Status.SOLVED for command in commands)
     assert np.hypot(*poses[-1, :2]) < 2e-3 and abs(math.degrees(poses[-1, 2])) < 0.1
-    assert min(clearance(CHAIR, DOCK.bay, pose) for pose in poses) > 0.03
+    assert smallest_clearance(CHAIR, DOCK.bay, poses) > 0.03
     turning = np.sign(speeds[np.abs(speeds[:, 1]) > 0.02, 1])
     assert np.count_nonzero(np.diff(turning)) <= 3
 

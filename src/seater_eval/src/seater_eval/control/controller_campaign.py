@@ -5,22 +5,19 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from seater_common.geometry import Chair, Dock, clearance, polygon_distance
-from seater_common.se2 import wrap_angle
+from seater_common.way_clearance import smallest_clearance
 from seater_eval.baselines.bay_speed import SlowInBay
 from seater_eval.baselines.closed_loop import run_perfect
 from seater_eval.baselines.interface import PoseController
 from seater_eval.baselines.minimum_time import MinimumTime, straight_line_bound
 from seater_eval.baselines.park_kuipers import ParkKuipers
 from seater_eval.baselines.pbvs import Pbvs
-from seater_eval.baselines.trajectories import Array
 from seater_eval.control.campaign_cases import draw_cases
 from seater_eval.control.campaign_run import Case, DockingRun, run_values
 from seater_eval.control.campaign_summary import summarize_runs
@@ -96,29 +93,9 @@ def _feedback(setup: Setup, law: PoseController, case: Case) -> dict[str, Any]:
     """A feedback law with a perfect chair and perfect state, slowed down in the bay, whose walls it does not know."""
     run = run_perfect(SlowInBay(law, setup.chair, setup.dock), setup.chair.limits, case.start, 40.0)
     obstacles = [np.array(outline).reshape(-1, 2) for outline in case.obstacles]
-    nearest = _smallest_clearance(setup.chair, setup.dock, run.poses[::2], obstacles)
+    nearest = smallest_clearance(setup.chair, setup.dock.bay, run.poses[::2], obstacles)
     time = run.docking_time(setup.dock.tolerance)
     return {"docking_time_s": time, "min_clearance_m": nearest, "docked": time is not None and nearest > 0.0}
-
-
-def _smallest_clearance(chair: Chair, dock: Dock, poses: Array, obstacles: list[Array]) -> float:
-    """Over the poses (n, 3) of a way [m]. A pose is skipped when the chair cannot have come nearer than the smallest so
-    far: no point of it moves farther than the axle's way plus the turn times its distance from there."""
-    reach = float(np.max(np.linalg.norm(chair.corners(), axis=1)))
-    smallest, at_least = math.inf, -math.inf
-    before = poses[0]
-    for pose in poses:
-        at_least -= math.hypot(*(pose[:2] - before[:2])) + abs(wrap_angle(pose[2] - before[2])) * reach
-        before = pose
-        if at_least < smallest:
-            at_least = _clearance(chair, dock, pose, obstacles)
-            smallest = min(smallest, at_least)
-    return smallest
-
-
-def _clearance(chair: Chair, dock: Dock, pose: Array, obstacles: list[Array]) -> float:
-    corners = chair.corners_at(pose)
-    return min([clearance(chair, dock.bay, pose), *(polygon_distance(corners, outline) for outline in obstacles)])
 
 
 def run_campaign(
