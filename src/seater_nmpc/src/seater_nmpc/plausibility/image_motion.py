@@ -51,7 +51,7 @@ def speeds_by_images(shown: Shown, middle: Array, fewest: int = _FEWEST) -> Imag
     best = [max(offered, key=lambda measurement: measurement.weight) for _, offered in window]
     times = np.array([instant.stamp for instant, _ in window])
     places = np.array([transform_points(one.pose, middle[None, :])[0] for one in best])
-    sds = np.array([_sd(one, middle) for one in best])
+    sds = _sds(best, middle)
     x, y, _ = relative(last.pose, [*places[-1], 0.0]).tolist()
     slopes = _slopes(times, places, sds)
     if slopes is None or x < _NEAREST:
@@ -106,26 +106,29 @@ def _by_odometry(first: Instant, last: Instant) -> tuple[float, float]:
     return math.copysign(math.hypot(x, y), x) / duration, turn / duration
 
 
-def _sd(measurement: Measurement, middle: Array) -> float:
-    """Standard deviation of where a measurement shows the middle of the markers, the larger one [m]."""
-    heading = float(measurement.pose[2])
-    c, s = math.cos(heading), math.sin(heading)
-    J = np.array([[1.0, 0.0, -s * middle[0] - c * middle[1]], [0.0, 1.0, c * middle[0] - s * middle[1]]])
-    return math.sqrt(float(np.linalg.eigvalsh(J @ measurement.covariance @ J.T)[-1]))
+def _sds(best: list[Measurement], middle: Array) -> Array:
+    """Standard deviation of where each measurement shows the middle of the markers, the larger one, (n,) [m]."""
+    headings = [float(one.pose[2]) for one in best]
+    J = np.zeros((len(best), 2, 3))
+    J[:, 0, 0] = J[:, 1, 1] = 1.0
+    for place, heading in zip(J, headings, strict=True):
+        c, s = math.cos(heading), math.sin(heading)
+        place[0, 2], place[1, 2] = -s * middle[0] - c * middle[1], c * middle[0] - s * middle[1]
+    P = J @ np.array([one.covariance for one in best]) @ J.transpose(0, 2, 1)
+    return np.asarray(np.sqrt(np.linalg.eigvalsh(P)[:, -1]))
 
 
 def _slopes(times: Array, places: Array, sds: Array) -> Array | None:
     """Of the lines through all images but one, (n, 2) [m/s], as far as they fit those; None where none does. A plainly
     wrong image is left out, and of those that fit the smallest slope counts."""
-    slopes, fits = [], []
-    for left_out in range(len(times)):
-        kept = np.arange(len(times)) != left_out
-        t, there = times[kept] - times[kept].mean(), places[kept] - places[kept].mean(axis=0)
-        slope = t @ there / float(t @ t)
-        off = np.hypot(*(there - np.outer(t, slope)).T)
-        slopes.append(slope)
-        fits.append(bool(np.all(off <= _CERTAIN * sds[kept] + _ON_THE_LINE)))
-    return np.array(slopes)[fits] if any(fits) else None
+    n = len(times)
+    kept = np.nonzero(~np.eye(n, dtype=bool))[1].reshape(n, n - 1)  # row i: all but the i-th
+    t, there = times[kept], places[kept]  # (n, n - 1) and (n, n - 1, 2)
+    t, there = t - t.mean(axis=1)[:, None], there - there.mean(axis=1)[:, None, :]
+    slopes = np.array([one @ place / float(one @ one) for one, place in zip(t, there, strict=True)])
+    off = np.hypot(*np.moveaxis(there - t[:, :, None] * slopes[:, None, :], 2, 0))
+    fits = np.all(off <= _CERTAIN * sds[kept] + _ON_THE_LINE, axis=1)
+    return slopes[fits] if fits.any() else None
 
 
 def _smallest(values: Array) -> float:
