@@ -227,37 +227,45 @@ def polygon_distance(a: ArrayLike, b: ArrayLike) -> float:
 
     The distance is exact; of an overlap it is the smallest separating shift along an edge normal (separating axes).
     """
-    a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
-    separation = max(_axis_separation(a, b), _axis_separation(b, a))
-    if separation <= 0.0:
-        return separation
-    return min(_vertex_distance(a, b), _vertex_distance(b, a))
+    return float(polygon_distances(a, np.asarray(b, dtype=float)[None])[0])
 
 
-def _axis_separation(a: Array, b: Array) -> float:
-    """Largest distance of b behind an edge of a, over the edges of a [m]; shapes (n, 2) and (m, 2)."""
+def polygon_distances(a: ArrayLike, others: ArrayLike) -> Array:
+    """polygon_distance of a (n, 2) from each of the others (k, m, 2), (k,) [m]."""
+    a, others = np.asarray(a, dtype=float)[None], np.asarray(others, dtype=float)
+    distances = np.maximum(_axis_separations(a, others), _axis_separations(others, a))
+    apart = distances > 0.0
+    if apart.any():
+        free = others[apart]
+        distances[apart] = np.minimum(_vertex_distances(a, free), _vertex_distances(free, a))
+    return distances
+
+
+def _axis_separations(a: Array, b: Array) -> Array:
+    """Largest distances of each b behind an edge of a, over the edges of a [m]; shapes (k, n, 2) and (k, m, 2), where
+    one k may be 1."""
     edges = _following(a) - a
-    normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.sqrt((edges * edges).sum(axis=1))[:, None]
-    distances = normals @ b.T - (normals * a).sum(axis=1)[:, None]
-    return float(distances.min(axis=1).max())
+    lengths = np.sqrt((edges * edges).sum(axis=2))[:, :, None]
+    normals = np.stack([edges[:, :, 1], -edges[:, :, 0]], axis=2) / lengths
+    distances = normals @ b.transpose(0, 2, 1) - (normals * a).sum(axis=2)[:, :, None]
+    return np.asarray(distances.min(axis=2).max(axis=1))
 
 
-def _vertex_distance(points: Array, polygon: Array) -> float:
-    """Smallest distance of the points (n, 2) from the polygon's edges (m, 2) [m]."""
-    start = polygon[None, :, :]
-    edge = _following(polygon)[None, :, :] - start
-    to_point = points[:, None, :] - start
-    along = (to_point * edge).sum(axis=2) / (edge * edge).sum(axis=2)
-    off = to_point - np.minimum(np.maximum(along, 0.0), 1.0)[:, :, None] * edge
-    return float(np.sqrt((off * off).sum(axis=2).min()))
+def _vertex_distances(points: Array, polygons: Array) -> Array:
+    """Smallest distances of the points (k, n, 2) from the polygons' edges (k, m, 2) [m], where one k may be 1."""
+    start = polygons[:, None, :, :]
+    edge = _following(polygons)[:, None, :, :] - start
+    to_point = points[:, :, None, :] - start
+    along = (to_point * edge).sum(axis=3) / (edge * edge).sum(axis=3)
+    off = to_point - np.minimum(np.maximum(along, 0.0), 1.0)[:, :, :, None] * edge
+    return np.asarray(np.sqrt((off * off).sum(axis=3).min(axis=(1, 2))))
 
 
-def _following(polygon: Array) -> Array:
-    """For each corner the next one; shape (n, 2)."""
-    return np.concatenate([polygon[1:], polygon[:1]])
+def _following(polygons: Array) -> Array:
+    """For each corner the next one; shape (k, n, 2)."""
+    return np.concatenate([polygons[:, 1:], polygons[:, :1]], axis=1)
 
 
 def clearance(chair: Chair, bay: Bay, T_dock_base: ArrayLike) -> float:
     """Smallest distance between the chair's footprint and the bay's walls [m]; negative when they overlap."""
-    corners = chair.corners_at(T_dock_base)
-    return min(polygon_distance(corners, wall) for wall in bay.outlines())
+    return float(polygon_distances(chair.corners_at(T_dock_base), bay.outlines()).min())

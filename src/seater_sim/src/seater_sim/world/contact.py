@@ -39,14 +39,26 @@ class Walls:
         self._chair = chair
         self._bay = bay
         self._obstacles = obstacles
+        self._reach = float(np.max(np.linalg.norm(chair.corners(), axis=1)))
+        middles = [outline.mean(axis=0) for outline in obstacles]
+        # Circle around each: x, y, radius.
+        self._circles = [
+            (float(x), float(y), float(np.max(np.linalg.norm(outline - [x, y], axis=1))))
+            for outline, (x, y) in zip(obstacles, middles, strict=True)
+        ]
         # All walls lie along the axes: (x0, x1, y0, y1) of each.
         corners = [(wall.min(axis=0).tolist(), wall.max(axis=0).tolist()) for wall in bay.outlines()]
         self._boxes = [(low[0], high[0], low[1], high[1]) for low, high in corners]
 
     def distance(self, pose: ArrayLike) -> float:
-        """Smallest distance [m]; negative when something overlaps."""
-        walls = clearance(self._chair, self._bay, pose)
-        return min([walls, *(polygon_distance(self._chair.corners_at(pose), o) for o in self._obstacles)])
+        """Smallest distance [m]; negative when something overlaps. Obstacles whose circle is farther than what was
+        nearest so far are skipped."""
+        nearest = clearance(self._chair, self._bay, pose)
+        corners, (px, py, _) = self._chair.corners_at(pose), np.asarray(pose, dtype=float).tolist()
+        for outline, (x, y, radius) in zip(self._obstacles, self._circles, strict=True):
+            if math.hypot(x - px, y - py) - radius - self._reach < nearest:
+                nearest = min(nearest, polygon_distance(corners, outline))
+        return nearest
 
     def distance_if_free(self, pose: Array) -> float:
         """As `distance`, an order of magnitude faster, for a chair that reached `pose` by a small step from free
