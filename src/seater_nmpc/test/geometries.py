@@ -119,6 +119,8 @@ CASES = [
     Case("camera looks backward", dock(), mounted(yaw=PI), refused=("dock markers", "chair camera", "behind")),
 ]
 
+QUICK = ("bay 0.80 m", "open dock, one marker, D435", "front-wheel chair, bay 0.80 m, D435")  # test_geometries.py
+
 
 def make_world(case: Case, parameters: NmpcParameters, start: tuple[float, float, float]) -> World:
     """With half as many, longer steps in the plan: its last millimetre is tested elsewhere."""

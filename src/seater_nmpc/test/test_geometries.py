@@ -1,11 +1,9 @@
 """The quick ones of the table of chairs, docks and cameras; geometries_evaluation.py docks with all of them."""
 
 import pytest
-from geometries import CASES, Case, dock_once, failure
+from geometries import CASES, QUICK, Case, dock_once, failure
 
 from seater_common.params import ParameterError
-
-QUICK = ("bay 0.80 m", "open dock, one marker, D435", "front-wheel chair, bay 0.80 m, D435")
 
 
 @pytest.mark.parametrize("case", [case for case in CASES if case.name in QUICK], ids=lambda case: case.name)
