@@ -38,7 +38,9 @@ def drive(truth: Truth, seed: int = 1, dock: bool = True, settings: IdentifySett
     pose, wheels, measured = np.array([-2.2, 0.0, 0.0]), np.zeros(2), np.zeros(2)
     seen_pose = np.zeros(3)
     queue: list[tuple[float, Array]] = []
-    acting, rows = np.zeros(2), {"command": [], "odometry": [], "dock": []}
+    gain, deadband, lag = np.array(truth.gain), np.array(truth.deadband), np.array(truth.lag)
+    limit, e = np.array(truth.ramp) * DT, truth.errors
+    wanted, rows = np.zeros(2), {"command": [], "odometry": [], "dock": []}
     for step in range(150_000):
         now = step * DT
         if step % 30 == 0:
@@ -63,12 +65,10 @@ def drive(truth: Truth, seed: int = 1, dock: bool = True, settings: IdentifySett
             rows["dock"].append([now, *(local + [0.003, 0.003, 0.004] * rng.standard_normal(3))])
         while queue and queue[0][0] <= now:
             acting = queue.pop(0)[1]
-        wanted = np.where(np.abs(acting) > truth.deadband, np.array(truth.gain) * acting, 0.0)
-        limit = np.array(truth.ramp) * DT
-        demand = demand + np.clip(wanted - demand, -limit, limit)
-        speed = speed + (demand - speed) * DT / np.array(truth.lag)
+            wanted = np.where(np.abs(acting) > deadband, gain * acting, 0.0)
+        demand = demand + np.minimum(np.maximum(wanted - demand, -limit), limit)
+        speed = speed + (demand - speed) * DT / lag
         pose = pose + DT * np.array([speed[0] * math.cos(pose[2]), speed[0] * math.sin(pose[2]), speed[1]])
-        e = truth.errors
         wheels = wheels + DT * np.array([(1 + e[0]) * speed[0], (1 + e[1]) * speed[1] + e[2] * speed[0]])
     assert driver.state is DriveState.DONE, driver.text
     dock_rows = np.array(rows["dock"]).reshape(-1, 4)
