@@ -51,7 +51,8 @@ def judge(error: Array, moves: int, parameters: SequenceParameters) -> Verdict:
     short = error[0] < -p.hold_position  # castors that a turn has swung out push on the same way when it drives on
     if moves < p.max_moves and heading > p.hold_heading and not (short and moves > 0):
         return Verdict.TURN
-    if moves < p.max_moves and x > (p.release_position if beyond else p.hold_position):
+    near = math.hypot(x, y) <= p.release_position
+    if moves < p.max_moves and (not near if beyond else x > p.hold_position):
         return Verdict.MOVE
-    inside = math.hypot(x, y) <= p.release_position and heading <= p.release_heading
+    inside = near and heading <= p.release_heading
     return Verdict.STAY if inside else Verdict.AGAIN
