@@ -48,7 +48,7 @@ def carry_out(move, axis: AxisDrive, resistance: float = 0.0, seconds: float = 5
 def test_a_chair_that_does_as_it_is_known_to_do_gets_there(name: str, turning: bool) -> None:
     """To within a fifth, as it may be held or not, and half of what the fastest cycle drives; where a deadband may be
     taken off every command or not, it comes short rather than too far."""
-    short = 0.35 if DRIVES[name].offset else 0.2
+    short = 0.4 if DRIVES[name].offset else 0.2
     axis, largest = DRIVES[name], 0.12 if turning else 0.03
     for size in np.linspace(0.2 * largest, largest, 10):
         for error in (size, -size):
@@ -109,8 +109,8 @@ def fresh(turning: bool) -> float:
 
 def test_what_is_learned_holds_for_one_direction_of_one_axis() -> None:
     assert after(0.03, 0.025, 0.01) > 1.5 * fresh(True) > 1.5 * after(0.03, -0.005, 0.01)
-    assert after(0.03, 0.025, -0.01) == fresh(True)
-    assert after(0.03, 0.025, 0.01, turning=False) == fresh(False)
+    assert after(0.03, 0.025, -0.01) == pytest.approx(fresh(True))
+    assert after(0.03, 0.025, 0.01, turning=False) == pytest.approx(fresh(False))
 
 
 def test_what_was_learned_of_turning_outlives_a_straight_move_in_part() -> None:

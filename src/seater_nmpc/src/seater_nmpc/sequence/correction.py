@@ -50,8 +50,9 @@ def judge(error: Array, moves: int, parameters: SequenceParameters, *, turn: boo
     beyond = error[0] > 0.0  # driving back would turn the castors round: only where it must be
     if y > p.release_position or heading > _LARGEST_TURN:
         return Verdict.AGAIN
-    short = error[0] < -p.hold_position  # castors that a turn has swung out push on the same way when it drives on
-    if turn and moves < p.max_moves and heading > p.hold_heading and not (short and move and moves > 0):
+    # Castors that a turn has swung out push on the same way when it drives on; on a slope it rolls with each move.
+    off = error[0] < -p.hold_position or error[0] > p.release_position
+    if turn and moves < p.max_moves and heading > p.hold_heading and not (off and move and moves > 0):
         return Verdict.TURN
     near = math.hypot(x, y) <= p.release_position
     if move and moves < p.max_moves and (not near if beyond else x > p.hold_position):

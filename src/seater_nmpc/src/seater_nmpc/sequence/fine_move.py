@@ -45,7 +45,10 @@ class FineMove:
         self._begin = float(error[self._index])
         self._learned: Learned = {} if before is None else before._learned_after(error)
         key = (turning, self._begin > 0.0)
-        self._response = self._learned.setdefault(key, MoveResponse(turning, self._axis, lag))
+        if key not in self._learned:
+            other = self._learned.get((turning, not key[1]))
+            self._learned[key] = MoveResponse(turning, self._axis, lag, other)
+        self._response = self._learned[key]
         self._period = period
         self._plan = self._best()  # commands of all cycles
         self._cycle = 0

@@ -3,7 +3,8 @@
 Each hypothesis has a threshold, up to which a command does nothing, and a resistance, by which the speed is smaller
 than what the motors, behind their lag, would give (castors that point the wrong way, carpet, friction): a short push
 may not overcome it though a long one does. Both are known from driving at best in part: a deadband that was never met,
-castors that only a turn on the spot has to swing round. How far a push got tells them apart.
+castors that only a turn on the spot has to swing round. How far a push got tells them apart. On a slope a chair rolls
+on until its brakes hold, about as far after every push: the roll is a third unknown of straight moves.
 """
 
 from __future__ import annotations
@@ -19,6 +20,9 @@ Array = NDArray[np.float64]
 
 _THRESHOLDS = (np.arange(0.0, 0.055, 0.01), np.arange(0.0, 0.13, 0.02))  # [m/s], [rad/s]
 _RESISTANCES = (np.arange(0.0, 0.05, 0.004), np.arange(0.0, 0.21, 0.02))
+_ROLLS = 0.004 * np.arange(-6, 7)  # [m] the way it is pushed
+_LEVEL = 0.95  # prior probability that it does not roll
+_TYPICAL_ROLL = 0.006  # mean, where it does
 _TYPICAL = (0.006, 0.06)  # mean resistance beyond the known one, where there is any
 _NONE = (0.7, 0.4)  # prior probability of no resistance beyond the known one
 _LESS = 0.5  # of less than the known one
@@ -34,30 +38,36 @@ _FORGOTTEN = 0.3  # of what was learned, when the castors have turned since
 class MoveResponse:
     """Of one axis (`turning` or straight) in one direction."""
 
-    def __init__(self, turning: bool, drive: AxisDrive, lag: float) -> None:
-        """Before anything was tried, by what `drive` is known to do. `lag`: of the motors [s]."""
+    def __init__(self, turning: bool, drive: AxisDrive, lag: float, other: MoveResponse | None = None) -> None:
+        """Before anything was tried, by what `drive` is known to do. `lag`: of the motors [s]. `other`: the same axis
+        the other way; where the chair rolls, it rolls that way whichever way it is pushed."""
         i = int(turning)
-        thresholds = np.union1d(_THRESHOLDS[i], drive.deadband)
+        self._thresholds = np.union1d(_THRESHOLDS[i], drive.deadband)
         known = drive.deadband if drive.offset else 0.0
-        resistances = np.union1d(_RESISTANCES[i], known)
-        self._noise = _NOISE[i]
-        self._gain = drive.gain
-        self._lag = lag
-        self._thresholds, self._resistances = thresholds, resistances
-        by_threshold = np.where(thresholds == drive.deadband, _KNOWN, (1.0 - _KNOWN) / (len(thresholds) - 1))
-        more = np.where(resistances > known, np.exp((known - resistances) / _TYPICAL[i]), 0.0)
-        by_resistance = (1.0 - _NONE[i]) * more / more.sum()
-        by_resistance[resistances == known] = _NONE[i]
-        less = resistances < known
+        self._resistances = np.union1d(_RESISTANCES[i], known)
+        self._rolls = np.zeros(1) if turning else _ROLLS
+        self._noise, self._gain, self._lag = _NOISE[i], drive.gain, lag
+        met = self._thresholds == drive.deadband
+        by_threshold = _KNOWN * met + (1.0 - _KNOWN) * ~met / max(1, np.sum(~met))
+        more, less = self._resistances > known, self._resistances < known
+        by_resistance = _NONE[i] * (self._resistances == known) + (1.0 - _NONE[i]) * _decaying(
+            self._resistances - known, more, _TYPICAL[i]
+        )
         if less.any():
             by_resistance = (1.0 - _LESS) * by_resistance + _LESS * less / less.sum()
-        self._prior = np.outer(by_threshold, by_resistance)
+        level = np.abs(self._rolls) < 1e-9
+        by_roll = level.astype(float)
+        if other is not None:
+            by_roll = other._weights.sum(axis=(0, 1))[::-1]
+        elif not turning:
+            by_roll = _LEVEL * level + (1.0 - _LEVEL) * _decaying(np.abs(self._rolls), ~level, _TYPICAL_ROLL)
+        self._prior = by_threshold[:, None, None] * by_resistance[:, None] * by_roll
         self._weights = self._prior
 
     @property
     def resistance(self) -> float:
         """Mean [m/s or rad/s]."""
-        return float(self._weights.sum(axis=0) @ self._resistances)
+        return float(self._weights.sum(axis=(0, 2)) @ self._resistances)
 
     def ways(self, pushes: Array, period: float) -> Array:
         """How far each hypothesis gets (m, thresholds, resistances) with each of these `pushes` (m, k): commands, all
@@ -75,15 +85,16 @@ class MoveResponse:
     def losses(self, pushes: Array, period: float, wanted: float) -> Array:
         """Mean square (m,) of what each push leaves of the way `wanted`; too far counts more, as the way back turns the
         castors round."""
-        ways = self.ways(pushes, period)
-        left = (ways - wanted) ** 2 * np.where(ways > wanted, _TOO_FAR, 1.0)
-        return np.asarray(np.sum(self._weights * (left + (_SHARE * ways) ** 2), axis=(1, 2)))
+        ways = self.ways(pushes, period)[..., None]
+        left = ways + self._rolls - wanted
+        square = left**2 * np.where(left > 0.0, _TOO_FAR, 1.0) + (_SHARE * ways) ** 2
+        return np.asarray(np.sum(self._weights * square, axis=(1, 2, 3)))
 
     def learn(self, push: Array, period: float, way: float) -> None:
         """These commands (k,) brought the chair so far (negative: the other way)."""
-        expected = self.ways(push[None, :], period)[0]
-        variance = self._noise**2 + (_SHARE * expected) ** 2
-        likelihood = np.exp(-0.5 * (way - expected) ** 2 / variance) / np.sqrt(variance)
+        ways = self.ways(push[None, :], period)[0][..., None]
+        variance = self._noise**2 + (_SHARE * ways) ** 2
+        likelihood = np.exp(-0.5 * (way - ways - self._rolls) ** 2 / variance) / np.sqrt(variance)
         weights = self._weights * likelihood
         total = float(weights.sum())
         if total > 0.0:
@@ -92,3 +103,9 @@ class MoveResponse:
     def forget(self) -> None:
         """In part: the chair has moved otherwise since."""
         self._weights = (1.0 - _FORGOTTEN) * self._weights + _FORGOTTEN * self._prior
+
+
+def _decaying(values: Array, where: NDArray[np.bool_], typical: float) -> Array:
+    """Probabilities of these values, exponential with that mean, of those `where` only."""
+    weights = np.where(where, np.exp(-values / typical), 0.0)
+    return weights / max(weights.sum(), 1e-12)
