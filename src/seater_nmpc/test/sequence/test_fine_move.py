@@ -67,15 +67,15 @@ def test_without_an_error_nothing_moves() -> None:
     assert FineMove(np.array([0.01, 0.004, 0.0]), True, chair(AxisDrive()), LIMITS, PERIOD).speeds() is None
 
 
-def in_series(truth: AxisDrive, resistance: float, error: float, turning: bool) -> list[float]:
+def in_series(truth: AxisDrive, resistance: float, error: float, turning: bool, roll: float = 0.0) -> list[float]:
     """Errors left after each of up to six moves, of a chair with this axis and castors that hold against it so much, of
-    which nobody knows; over when within 3 mm or 0.5 deg."""
+    which nobody knows, and that rolls on so far each time; over when within 3 mm or 0.5 deg."""
     before, left, enough = None, [error], 0.009 if turning else 0.003
     while len(left) <= 6 and abs(left[-1]) > enough:
         before = FineMove(np.array([left[-1], 0.0, left[-1]]), turning, chair(AxisDrive()), LIMITS, PERIOD, before)
         if not before.is_worthwhile:
             break
-        left.append(left[-1] + carry_out(before, truth, resistance)[0])
+        left.append(left[-1] + carry_out(before, truth, resistance)[0] + roll)
     return left
 
 
@@ -91,6 +91,13 @@ def test_resistance_against_turning_is_learned_from_how_far_the_last_move_got(re
 def test_a_deadband_that_was_never_met_is_learned(offset: bool, error: float) -> None:
     """Nothing below 0.03 m/s: at the dock in three moves."""
     left = in_series(AxisDrive(1.0, 0.03, offset), 0.0, error, turning=False)
+    assert len(left) - 1 <= 3 and abs(left[-1]) <= 0.003
+
+
+@pytest.mark.parametrize("roll", [0.012, -0.02])
+def test_on_a_slope_the_roll_is_learned(roll: float) -> None:
+    """Forward or backward after each push, by more than the error was: at the dock to 3 mm with the third move."""
+    left = in_series(AxisDrive(), 0.0, -0.008, turning=False, roll=roll)
     assert len(left) - 1 <= 3 and abs(left[-1]) <= 0.003
 
 

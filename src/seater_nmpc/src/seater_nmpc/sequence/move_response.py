@@ -62,7 +62,7 @@ class MoveResponse:
         elif not turning:
             by_roll = _LEVEL * level + (1.0 - _LEVEL) * _decaying(np.abs(self._rolls), ~level, _TYPICAL_ROLL)
         self._prior = by_threshold[:, None, None] * by_resistance[:, None] * by_roll
-        self._weights = self._prior
+        self._weights: Array = self._prior
 
     @property
     def resistance(self) -> float:
