@@ -222,6 +222,7 @@ def test_error_is_as_large_as_the_covariance_says() -> None:
             v, omega = (0.0, 0.0) if k < 30 else (0.4, 0.2 * math.sin(0.05 * k))
             truth = arc_step(truth, v, omega, 0.02)
             way, turn = v * 0.02, omega * 0.02
+            truth = compose(truth, [0.0, rng.normal() * p.side_noise * math.sqrt(way), 0.0])
             n_s = rng.normal() * p.distance_noise * math.sqrt(way)
             n_t = rng.normal() * math.sqrt(p.heading_noise**2 * way + p.turn_noise**2 * abs(turn))
             odom = arc_step(odom, way * (1.0 + e_s) + n_s, turn * (1.0 + e_t) + way * e_d + n_t, 1.0)

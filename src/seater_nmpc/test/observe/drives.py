@@ -27,6 +27,7 @@ class Drive:
     truth: np.ndarray = field(default_factory=lambda: np.array([-2.6, 0.2, -0.1]))
     slip: Callable[[np.ndarray], float] = lambda pose: 0.0  # fraction of the wheels' way that is lost there
     pull: Callable[[np.ndarray], float] = lambda pose: 0.0  # [rad/m] that the chair turns there, unseen by its wheels
+    aside: float = 0.0  # [m] to the left in each metre, unseen by its wheels
     gyro_bias: float = 0.0  # [rad/s]
     odometry_period: float = 0.02  # [s]
     image_period: float = 0.1
@@ -51,6 +52,7 @@ class Drive:
         for _ in range(round(seconds / STEP)):
             driven = v * (1.0 - self.slip(self.truth))
             self.truth = arc_step(self.truth, driven, omega + driven * self.pull(self.truth), STEP)
+            self.truth = compose(self.truth, [0.0, self.aside * abs(driven) * STEP, 0.0])
             self.odom = arc_step(self.odom, v, omega + self.gyro_bias, STEP)
             self.ticks += 1
             if self.ticks % round(self.odometry_period / STEP) == 0:

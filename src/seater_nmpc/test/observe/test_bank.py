@@ -80,6 +80,16 @@ def test_one_wheel_that_begins_to_slip_is_noticed_before_the_dock() -> None:
     assert min(found) > 0.1 and np.mean(found) == pytest.approx(0.24, abs=0.06)
 
 
+def test_a_chair_that_castors_push_aside_is_followed() -> None:
+    """After standing long the dock is known to tenths of a millimetre, but what comes then is not seen by wheels."""
+    for seed in range(4):
+        drive = Drive(truth=np.array([0.0, 0.0, 0.0]), aside=0.008, image_period=0.05, seed=seed)
+        drive.go(0.0, 0.0, 15.0)
+        drive.go(-0.13, 0.0, 1.0 / 0.13)
+        assert abs(drive.truth[1]) > 0.007
+        assert np.mean(np.array(drive.errors[-20:])[:, 1]) == pytest.approx(0.0, abs=0.0015)
+
+
 def test_tyres_that_roll_keep_the_sharp_filter_and_its_small_covariance() -> None:
     rolling, slipping = Drive(), Drive(slip=FLOORS["patches of 12 %"])
     for drive in (rolling, slipping):

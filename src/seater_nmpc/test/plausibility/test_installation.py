@@ -32,16 +32,22 @@ def seen(truth: np.ndarray, wrong: np.ndarray) -> np.ndarray:
     return compose(MOUNT, [*place, heading])
 
 
-def found(wrong=(0.0, 0.0, 0.0, 0.0), slip: float = 0.02, seed: int = 1):
-    """After a drive in an S from 2.6 m ahead."""
+S_CURVE = [(0.2, -0.35)] * 600 + [(0.2, 0.25)] * 400 + [(0.2, 0.0)] * 500  # v, omega every 10 ms
+RETRY = [(0.2, 0.0)] * 400 + [(-0.2, 0.0)] * 400 + [(0.2, 0.0)] * 400
+
+
+def found(wrong=(0.0, 0.0, 0.0, 0.0), slip: float = 0.02, seed: int = 1, way=S_CURVE, castors=(0.0, 0.0)):
+    """After a drive from 2.6 m ahead. `castors`: (v, omega) unseen by wheels in the first 0.2 m after each reversal."""
     truth, odom = np.array([-2.6, 0.9, 0.7]), np.array([1.0, 2.0, 0.3])
     installation, buffer = Installation(CHAIR.camera, DOCK, ObserverParameters()), OdometryBuffer(60.0, 0.1)
     rng = np.random.default_rng(seed)
-    for k in range(1500):
-        omega = -0.35 if k < 600 else 0.25 if k < 1000 else 0.0
-        truth = arc_step(truth, 0.2 * (1.0 - slip), omega, 0.01)
-        odom = arc_step(odom, 0.2, omega, 0.01)
-        buffer.add(Odometry(0.01 * (k + 1), odom, 0.2, omega))
+    before = since = 0.0
+    for k, (v, omega) in enumerate(way):
+        before, since = v, since + abs(v) * 0.01 if v == before else 0.0
+        push = np.array(castors) if since < 0.2 else np.zeros(2)
+        truth = arc_step(truth, v * (1.0 - slip) - math.copysign(push[0], v), omega + push[1], 0.01)
+        odom = arc_step(odom, v, omega, 0.01)
+        buffer.add(Odometry(0.01 * (k + 1), odom, v, omega))
         if k % 5 == 0:
             pose = seen(truth, np.array(wrong)) + NOISE * rng.normal(size=3)
             chair = buffer.newest
@@ -58,6 +64,13 @@ def test_a_right_installation_looks_right(slip: float) -> None:
     error = found(slip=slip)
     assert not error.is_wrong(LIMITS, 5.0)
     assert np.all(np.abs(error.final) < [0.012, 0.012, 0.01])
+
+
+@pytest.mark.parametrize("castors", [(0.02, 0.07), (0.02, -0.07), (0.04, 0.15)])
+def test_castors_that_swing_round_look_like_no_wrong_camera(castors) -> None:
+    error = found(way=RETRY, castors=castors)
+    assert error.certainty < 3.0
+    assert not error.is_wrong(LIMITS, 5.0)
 
 
 @pytest.mark.parametrize(

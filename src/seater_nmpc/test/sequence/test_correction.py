@@ -25,6 +25,7 @@ P = SequenceParameters(
         ((-0.004, 0.0, 0.0), 0, Verdict.MOVE),
         ((0.004, 0.0, 0.0), 0, Verdict.STAY),  # a little too deep: not worth driving back
         ((0.009, 0.0, 0.0), 0, Verdict.MOVE),
+        ((0.006, 0.006, 0.0), 0, Verdict.MOVE),  # rather than another attempt
         ((0.0, -0.009, 0.0), 0, Verdict.AGAIN),  # no move on the spot mends that
         ((0.0, 0.0, 0.13), 0, Verdict.AGAIN),
         ((-0.007, 0.0, 0.013), 3, Verdict.STAY),  # no move left, but good enough

@@ -8,6 +8,7 @@ from seater_nmpc.drive.axis import AxisDrive, ChairDrive
 from seater_nmpc.sequence.fine_move import FineMove
 
 LIMITS, PERIOD = Chair().limits, 0.05
+LAG, STEPS = 0.2, 20
 DRIVES = {
     "no deadband": AxisDrive(),
     "gain": AxisDrive(0.8),
@@ -17,92 +18,126 @@ DRIVES = {
 
 
 def chair(axis: AxisDrive) -> ChairDrive:
-    return ChairDrive(axis, axis, 0.2, 0.2)
+    return ChairDrive(axis, axis, LAG, LAG)
 
 
 def carry_out(move, axis: AxisDrive, resistance: float = 0.0, seconds: float = 5.0) -> tuple[float, list[float]]:
-    """Way or turn of the chair, and the speeds that were asked for, until the move is over."""
-    done, asked = 0.0, []
-    for _ in range(round(seconds / PERIOD)):
-        speeds = move.speeds(PERIOD)
-        if speeds is None:
-            return done, asked
-        assert speeds[0 if move.turning else 1] == 0.0  # straight or on the spot
-        asked.append(speeds[1 if move.turning else 0])
-        speed = axis.effective(axis.command(asked[-1])) if abs(asked[-1]) >= axis.smallest_speed else 0.0
-        done += np.sign(speed) * max(0.0, abs(speed) - resistance) * PERIOD
-    pytest.fail("the move does not end")
+    """Way or turn of the chair, and the speeds that were asked for, until the move is over and the chair at rest.
+
+    The motors follow with a lag; castors hold against what they give.
+    """
+    done = speed = command = 0.0
+    step = (LIMITS.alpha_max if move.turning else LIMITS.a_max) * PERIOD  # as the controller limits it
+    asked: list[float] = []
+    for k in range(round(seconds / PERIOD)):
+        speeds = move.speeds() if k == len(asked) else None
+        if speeds is not None:
+            assert speeds[0 if move.turning else 1] == 0.0  # straight or on the spot
+            asked.append(speeds[1 if move.turning else 0])
+        wanted = axis.command(asked[k]) if k < len(asked) else 0.0
+        command = float(np.clip(wanted, command - step, command + step)) if k < len(asked) else 0.0
+        for _ in range(STEPS):
+            speed += (axis.effective(command) - speed) * PERIOD / STEPS / LAG
+            done += np.sign(speed) * max(0.0, abs(speed) - resistance) * PERIOD / STEPS
+    assert len(asked) < seconds / PERIOD, "the move does not end"
+    return done, asked
 
 
 @pytest.mark.parametrize("name", DRIVES)
 @pytest.mark.parametrize("turning", [False, True], ids=["straight", "turning"])
-def test_the_area_of_a_move_is_the_error(name: str, turning: bool) -> None:
-    """To within what the smallest speed drives in half a cycle, from small errors to the largest ones."""
+def test_a_chair_that_does_as_it_is_known_to_do_gets_there(name: str, turning: bool) -> None:
+    """To within a fifth, as it may be held or not, and half of what the fastest cycle drives; where a deadband may be
+    taken off every command or not, it comes short rather than too far."""
+    short = 0.4 if DRIVES[name].offset else 0.2
     axis, largest = DRIVES[name], 0.12 if turning else 0.03
-    for size in np.linspace(0.1 * largest, largest, 10):
+    for size in np.linspace(0.2 * largest, largest, 10):
         for error in (size, -size):
-            move = FineMove(np.array([error, 0.002, error]), turning, chair(axis), LIMITS)
+            move = FineMove(np.array([error, 0.002, error]), turning, chair(axis), LIMITS, PERIOD)
             done, asked = carry_out(move, axis)
             fastest = max(abs(speed) for speed in asked)
-            assert done == pytest.approx(-error, abs=0.5 * fastest * PERIOD + 1e-9)
+            half_a_cycle = 0.5 * fastest * PERIOD
+            assert -short * size - half_a_cycle <= -np.sign(error) * done - size <= 0.2 * size + half_a_cycle
             assert all(speed * error < 0.0 for speed in asked)
-            rate = LIMITS.alpha_max if turning else LIMITS.a_max
-            assert np.max(np.abs(np.diff([0.0, *asked]))) <= rate * PERIOD + 1e-9
-            assert fastest <= max(0.35 if turning else 0.08, axis.smallest_speed) and len(asked) * PERIOD <= 1.0
+            assert fastest <= max(0.35 if turning else 0.08, axis.smallest_speed) + 1e-9
+            assert len(asked) * PERIOD <= 0.6 + 1e-9
 
 
 def test_without_an_error_nothing_moves() -> None:
-    assert FineMove(np.array([0.0, 0.004, 0.05]), False, chair(AxisDrive()), LIMITS).speeds(PERIOD) is None
-    assert FineMove(np.array([0.01, 0.004, 0.0]), True, chair(AxisDrive()), LIMITS).speeds(PERIOD) is None
+    assert FineMove(np.array([0.0, 0.004, 0.05]), False, chair(AxisDrive()), LIMITS, PERIOD).speeds() is None
+    assert FineMove(np.array([0.01, 0.004, 0.0]), True, chair(AxisDrive()), LIMITS, PERIOD).speeds() is None
 
 
-def in_series(resistance: float, error: float, moves: int) -> list[float]:
-    """Errors left after each of several moves in turning, on castors that hold against them so much."""
-    axis, before, left = AxisDrive(), None, [error]
-    for _ in range(moves):
-        before = FineMove(np.array([0.0, 0.0, left[-1]]), True, chair(axis), LIMITS, before)
-        left.append(left[-1] + carry_out(before, axis, resistance)[0])
+def in_series(truth: AxisDrive, resistance: float, error: float, turning: bool, roll: float = 0.0) -> list[float]:
+    """Errors left after each of up to six moves, of a chair with this axis and castors that hold against it so much, of
+    which nobody knows, and that rolls on so far each time; over when within 3 mm or 0.5 deg."""
+    before, left, enough = None, [error], 0.009 if turning else 0.003
+    while len(left) <= 6 and abs(left[-1]) > enough:
+        before = FineMove(np.array([left[-1], 0.0, left[-1]]), turning, chair(AxisDrive()), LIMITS, PERIOD, before)
+        if not before.is_worthwhile:
+            break
+        left.append(left[-1] + carry_out(before, truth, resistance)[0] + roll)
     return left
 
 
-def test_the_resistance_is_learned_from_how_far_the_last_move_got() -> None:
-    """Against 0.06 rad/s the first move of 1.7 deg comes short by half; the third one comes within 0.15 deg."""
-    left = in_series(0.06, -0.03, 4)
-    assert abs(left[1]) > 0.01 and abs(left[3]) < 0.0026
-    free = in_series(0.0, -0.03, 1)
-    assert abs(free[1]) < 0.003
+@pytest.mark.parametrize(("resistance", "moves"), [(0.0, 1), (0.03, 2), (0.06, 2), (0.1, 4)])
+def test_resistance_against_turning_is_learned_from_how_far_the_last_move_got(resistance: float, moves: int) -> None:
+    """Of 1.7 deg, less than 0.5 deg are left after so many moves, and none goes beyond that the other way."""
+    left = in_series(AxisDrive(), resistance, -0.03, turning=True)
+    assert len(left) - 1 <= moves and abs(left[-1]) <= 0.009
 
 
-def after(error: float, left: float, turning: bool = True) -> float:
-    """Resistance that a move reckons with, after one that made `error` in turning to `left`."""
-    first = FineMove(np.array([error, 0.0, error]), True, chair(AxisDrive()), LIMITS)
+@pytest.mark.parametrize("offset", [False, True])
+@pytest.mark.parametrize("error", [-0.004, -0.007, 0.012])
+def test_a_deadband_that_was_never_met_is_learned(offset: bool, error: float) -> None:
+    """Nothing below 0.03 m/s: at the dock in three moves."""
+    left = in_series(AxisDrive(1.0, 0.03, offset), 0.0, error, turning=False)
+    assert len(left) - 1 <= 3 and abs(left[-1]) <= 0.003
+
+
+@pytest.mark.parametrize("roll", [0.012, -0.02])
+def test_on_a_slope_the_roll_is_learned(roll: float) -> None:
+    """Forward or backward after each push, by more than the error was: at the dock to 3 mm with the third move."""
+    left = in_series(AxisDrive(), 0.0, -0.008, turning=False, roll=roll)
+    assert len(left) - 1 <= 3 and abs(left[-1]) <= 0.003
+
+
+def after(error: float, left: float, begin: float, turning: bool = True) -> float:
+    """Resistance that a move from `begin` reckons with, after one in turning that led from `error` to `left`."""
+    first = FineMove(np.array([error, 0.0, error]), True, chair(AxisDrive()), LIMITS, PERIOD)
     carry_out(first, AxisDrive())
-    return FineMove(np.array([left, 0.0, left]), turning, chair(AxisDrive()), LIMITS, first).resistance
+    first = FineMove(np.array([left, 0.0, left]), True, chair(AxisDrive()), LIMITS, PERIOD, first)
+    return FineMove(np.array([begin, 0.0, begin]), turning, chair(AxisDrive()), LIMITS, PERIOD, first).resistance
 
 
-def test_nothing_is_learned_for_another_direction_or_axis() -> None:
-    assert 0.01 < after(0.03, 0.02) <= 0.1
-    assert after(0.03, -0.02) == after(0.03, 0.02, turning=False) == 0.0
-    assert after(0.03, 0.0) == 0.0
-    assert after(0.12, 0.12) == 0.1  # did not move at all: from move to move it grows by so much at most
+def fresh(turning: bool) -> float:
+    """The same with nothing learned."""
+    return FineMove(np.array([0.01, 0.0, 0.01]), turning, chair(AxisDrive()), LIMITS, PERIOD).resistance
 
 
-def test_what_was_learned_of_turning_outlives_a_straight_move() -> None:
+def test_what_is_learned_holds_for_one_direction_of_one_axis() -> None:
+    assert after(0.03, 0.025, 0.01) > 1.5 * fresh(True) > 1.5 * after(0.03, -0.005, 0.01)
+    assert after(0.03, 0.025, -0.01) == pytest.approx(fresh(True))
+    assert after(0.03, 0.025, 0.01, turning=False) == pytest.approx(fresh(False))
+
+
+def test_what_was_learned_of_turning_outlives_a_straight_move_in_part() -> None:
     """On castors the two alternate: a turn on the spot, some millimetres ahead, the rest of the turn."""
-    drive, held = chair(AxisDrive()), 0.06
-    turn = FineMove(np.array([-0.01, 0.0, 0.03]), True, drive, LIMITS)
-    left = 0.03 + carry_out(turn, AxisDrive(), held)[0]
-    straight = FineMove(np.array([-0.01, 0.0, left]), False, drive, LIMITS, turn)
+    drive = chair(AxisDrive())
+    turn = FineMove(np.array([-0.01, 0.0, 0.03]), True, drive, LIMITS, PERIOD)
+    left = 0.03 + carry_out(turn, AxisDrive(), 0.1)[0]
+    again = FineMove(np.array([-0.01, 0.0, left]), True, drive, LIMITS, PERIOD, turn).resistance
+    turn = FineMove(np.array([-0.01, 0.0, 0.03]), True, drive, LIMITS, PERIOD)
+    carry_out(turn, AxisDrive(), 0.1)
+    straight = FineMove(np.array([-0.01, 0.0, left]), False, drive, LIMITS, PERIOD, turn)
     carry_out(straight, AxisDrive())
-    again = FineMove(np.array([0.0, 0.0, left]), True, drive, LIMITS, straight)
-    assert straight.resistance == 0.0 and 0.02 < again.resistance <= 0.06
-    assert FineMove(np.array([0.0, 0.0, -left]), True, drive, LIMITS, straight).resistance == 0.0
+    later = FineMove(np.array([0.0, 0.0, left]), True, drive, LIMITS, PERIOD, straight).resistance
+    assert fresh(True) < later < again
 
 
 def test_a_chair_that_nothing_moves_is_not_pushed_for_long() -> None:
-    """Against a threshold: every move ends within a second, however much resistance is reckoned with."""
+    """Against a wall: every move ends within 0.6 s, no matter what it has learned."""
     before = None
     for _ in range(8):
-        before = FineMove(np.array([-0.02, 0.0, 0.0]), False, chair(AxisDrive()), LIMITS, before)
-        done, asked = carry_out(before, AxisDrive(), resistance=1.0, seconds=1.2)
-        assert done == 0.0 and max(asked) <= 0.08
+        before = FineMove(np.array([-0.02, 0.0, 0.0]), False, chair(AxisDrive()), LIMITS, PERIOD, before)
+        done, asked = carry_out(before, AxisDrive(), resistance=1.0)
+        assert done == 0.0 and max(asked, default=0.0) <= 0.08 and len(asked) * PERIOD <= 0.6 + 1e-9

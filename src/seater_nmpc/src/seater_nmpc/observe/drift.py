@@ -8,7 +8,9 @@ from the chair where it is, moves in odom by the first and swings round it by th
 
     dD = c (e_s ds' + n_s) + w (e_t dt' + e_d ds' + b dT + n_t),   w = (y - D_y, D_x - x, 1) = A (1, x, y)'.
 
-Summed up over a way (odometry.Travel) that is exact in first order however long the way is.
+Summed up over a way (odometry.Travel) that is exact in first order however long the way is. No chair goes quite where
+its wheels point (castors push it sideways, the axle is not where it is thought to be): across the way there is noise of
+variance side_noise^2 |s|, too, of which the odometry says nothing.
 
 On a floor that is wet here and dry there, e changes on the way and the noise is many times larger. How much so is the
 `slip`, from 0 (tyres that roll, as the parameters say) to 1 (the parameters slip_*): the noise grows by
@@ -39,6 +41,7 @@ class Drift:
         self.slip = slip
         self._p = p
         self._along = p.distance_noise**2 + square * p.slip_distance_noise**2
+        self._aside = p.side_noise**2 + square * p.slip_side_noise**2
         self._by_way = p.heading_noise**2 + square * p.slip_heading_noise**2
         self._by_turn = p.turn_noise**2 + square * p.slip_turn_noise**2
         self._walk, self._walk_turn = square * p.slip_walk**2, square * p.slip_walk_turn**2
@@ -59,7 +62,7 @@ class Drift:
         F, Q = _I.copy(), np.zeros((SIZE, SIZE))
         F[:2, 3] = now.pose[:2] - last.pose[:2]
         F[:3, 4:] = A @ travel.rows.T
-        Q[:2, :2] = self._along * travel.along
+        Q[:2, :2] = self._along * travel.along + self._aside * (_I[:2, :2] * travel.driven - travel.along)
         Q[:3, :3] += A @ (self._by_way * travel.by_way + self._by_turn * travel.by_turn) @ A.T
         way, turn = travel.driven, travel.turned
         Q[3, 3], Q[4, 4], Q[5, 5] = self._walk * way, self._walk * turn, self._walk_turn * way

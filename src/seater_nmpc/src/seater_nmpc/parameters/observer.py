@@ -58,6 +58,9 @@ class ObserverParameters:
     distance_noise: float = param(
         0.002, "m/sqrt(m)", "random error of distances after 1 m, standard deviation", low=0.0, high=1.0
     )
+    side_noise: float = param(
+        0.002, "m/sqrt(m)", "random way across its wheels after 1 m driven, standard deviation", low=0.0, high=1.0
+    )
     heading_noise: float = param(
         0.002, "rad/sqrt(m)", "random turn after 1 m driven, standard deviation", low=0.0, high=1.0
     )
@@ -70,6 +73,9 @@ class ObserverParameters:
         "random error of distances of wheels that slip, after 1 m, standard deviation",
         low=0.0,
         high=1.0,
+    )
+    slip_side_noise: float = param(
+        0.01, "m/sqrt(m)", "random way across wheels that slip, after 1 m driven", low=0.0, high=1.0
     )
     slip_heading_noise: float = param(
         0.02, "rad/sqrt(m)", "random turn of wheels that slip, after 1 m driven", low=0.0, high=1.0

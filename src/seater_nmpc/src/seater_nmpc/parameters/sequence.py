@@ -59,7 +59,7 @@ class SequenceParameters:
     release_heading: float = param(
         0.014, "rad", "heading error beyond which the chair does not stay", low=0.0002, high=0.4
     )
-    max_moves: int = param(8, "", "small moves on the spot before the chair stays or tries again", low=0, high=20)
+    max_moves: int = param(10, "", "small moves on the spot before the chair stays or tries again", low=0, high=20)
     move_measurements: int = param(3, "", "fresh measurements averaged before a small move", low=1, high=100)
     settle_time: float = param(
         1.5, "s", "time within the release zone that stops the chair as well", low=0.1, high=30.0

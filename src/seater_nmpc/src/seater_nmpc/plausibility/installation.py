@@ -26,6 +26,7 @@ from seater_nmpc.observe.drift import SIZE, Drift
 from seater_nmpc.observe.measurement import Measurement, difference
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import ObserverParameters
+from seater_nmpc.plausibility.castors import Castors
 
 Array = NDArray[np.float64]
 
@@ -105,6 +106,7 @@ class Installation:
         self._mean: list[Array] = []
         self._covariance: list[Array] = []
         self._evidence = np.zeros(len(_SLIPS))
+        self._castors = Castors()
 
     def add(self, chair: Instant, offered: list[Measurement], known: Array) -> None:
         """The poses of the dock in odom that an image leaves open; `known` (3,): where the observer has it. Late images
@@ -117,9 +119,11 @@ class Installation:
         driven, turned = chair.driven - self._last.driven, chair.turned - self._last.turned
         if chair.stamp <= self._last.stamp or (driven < _STEP[0] and turned < _STEP[1]):
             return
+        castors = self._castors.noise(self._last, chair, known)
         for i, drift in enumerate(self._drifts):
             F, Q = np.eye(_ALL), np.zeros((_ALL, _ALL))
             F[:SIZE, :SIZE], Q[:SIZE, :SIZE] = drift.transition(self._mean[i][:SIZE], self._last, chair)
+            Q[:3, :3] += castors
             mean = F @ self._mean[i]
             # The step is along the tangent of the dock's circle round the chair; steps of a gyro's bias add up.
             lengthened = math.hypot(1.0, float(mean[2] - self._mean[i][2]))

@@ -38,8 +38,10 @@ def standing_measurement(fresh: Fresh) -> Measurement:
     return combine([in_frame(inverse(instant.pose), measurement) for instant, measurement in fresh])
 
 
-def judge(error: Array, moves: int, parameters: SequenceParameters) -> Verdict:
+def judge(error: Array, moves: int, parameters: SequenceParameters, *, turn: bool = True, move: bool = True) -> Verdict:
     """Of a standing chair at `error` (3,) from the dock, after so many small moves.
+
+    `turn`, `move`: whether that would be of use.
 
     Sideways only a new attempt helps; heading and distance can be mended on the spot.
     """
@@ -48,10 +50,12 @@ def judge(error: Array, moves: int, parameters: SequenceParameters) -> Verdict:
     beyond = error[0] > 0.0  # driving back would turn the castors round: only where it must be
     if y > p.release_position or heading > _LARGEST_TURN:
         return Verdict.AGAIN
-    short = error[0] < -p.hold_position  # castors that a turn has swung out push on the same way when it drives on
-    if moves < p.max_moves and heading > p.hold_heading and not (short and moves > 0):
+    # Castors that a turn has swung out push on the same way when it drives on; on a slope it rolls with each move.
+    off = error[0] < -p.hold_position or error[0] > p.release_position
+    if turn and moves < p.max_moves and heading > p.hold_heading and not (off and move and moves > 0):
         return Verdict.TURN
-    if moves < p.max_moves and x > (p.release_position if beyond else p.hold_position):
+    near = math.hypot(x, y) <= p.release_position
+    if move and moves < p.max_moves and (not near if beyond else x > p.hold_position):
         return Verdict.MOVE
-    inside = math.hypot(x, y) <= p.release_position and heading <= p.release_heading
+    inside = near and heading <= p.release_heading
     return Verdict.STAY if inside else Verdict.AGAIN

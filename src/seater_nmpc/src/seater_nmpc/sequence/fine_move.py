@@ -1,78 +1,96 @@
 """The last correction, if one is needed: one small deliberate move, straight or turning on the spot.
 
-It is timed, as it is over before odometry or images could steer it. Castors that point the wrong way, or carpet, hold
-against it like a deadband: that much resistance is learned from how far the last move in the same direction got.
+It is timed, as it is over before odometry or images could steer it: of all pushes with one command for some cycles,
+that is chosen which leaves least on average over what is known of the chair (move_response.py).
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.geometry import Limits
-from seater_nmpc.drive.axis import AxisDrive, ChairDrive
+from seater_nmpc.drive.axis import ChairDrive
+from seater_nmpc.sequence.move_response import MoveResponse
 
 Array = NDArray[np.float64]
 
-_DURATION = 0.4  # [s] that a move takes about
-_LONGEST = 2.0 * _DURATION
+_LONGEST = 0.6  # [s]
 _FASTEST = (0.08, 0.35)  # [m/s, rad/s]
-_MOST_MORE = (0.03, 0.1)  # [m/s, rad/s] by which the resistance that is reckoned with grows from move to move
+_TINY = 1e-6  # [m/s or rad/s]: the smallest command
+_LEVELS = 24  # commands that are compared
 
-
-@dataclass(frozen=True)
-class _Axis:
-    drive: AxisDrive
-    rate: float  # largest change of the speed per second
-    fastest: float
-    most_more: float
+Learned = dict[tuple[bool, bool], MoveResponse]  # by (turning, error was positive)
 
 
 class FineMove:
     """Ask it for the speeds of each cycle, until there are none. Errors: the chair in the dock's frame (3,)."""
 
     def __init__(
-        self, error: Array, turning: bool, drive: ChairDrive, limits: Limits, before: FineMove | None = None
+        self,
+        error: Array,
+        turning: bool,
+        drive: ChairDrive,
+        limits: Limits,
+        period: float,
+        before: FineMove | None = None,
     ) -> None:
-        """`error`: of the standing chair. `before`: the last move of this attempt, from whose result it learns."""
+        """`error`: of the standing chair; `period` of the cycles [s]. `before`: the last move of this attempt, from
+        whose result it learns."""
         self.turning, self._index = turning, 2 if turning else 0
-        single, rate = (drive.omega, limits.alpha_max) if turning else (drive.v, limits.a_max)
-        self._axis = _Axis(single, rate, _FASTEST[turning], _MOST_MORE[turning])
+        self._axis, self._rate = (drive.omega, limits.alpha_max) if turning else (drive.v, limits.a_max)
+        lag = drive.lag_omega if turning else drive.lag_v
         self._begin = float(error[self._index])
-        self._way = abs(self._begin)
-        self._learned = {} if before is None else before._learned_after(error)
-        self.resistance = self._learned.get((turning, self._begin > 0.0), 0.0)
-        wanted = self.resistance + self._way / _DURATION
-        self._fastest = min(max(wanted, single.smallest_speed), max(self._axis.fastest, single.smallest_speed))
-        self._speed = self._done = self._time = 0.0
+        self._learned: Learned = {} if before is None else before._learned_after(error)
+        key = (turning, self._begin > 0.0)
+        if key not in self._learned:
+            other = self._learned.get((turning, not key[1]))
+            self._learned[key] = MoveResponse(turning, self._axis, lag, other)
+        self._response = self._learned[key]
+        self._period = period
+        self._plan = self._best()  # commands of all cycles
+        self._cycle = 0
 
-    def speeds(self, period: float) -> tuple[float, float] | None:
-        """(v [m/s], omega [rad/s]) for the next `period` [s]; None: it is over."""
-        half_a_cycle = 0.5 * max(0.0, self._speed - self.resistance) * period
-        if self._done >= self._way - half_a_cycle or self._time > _LONGEST:
+    @property
+    def resistance(self) -> float:
+        """[m/s or rad/s] that it reckons with, on average."""
+        return self._response.resistance
+
+    @property
+    def is_worthwhile(self) -> bool:
+        """False: the chair would be expected to stand no better after any push."""
+        return len(self._plan) > 0
+
+    def speeds(self) -> tuple[float, float] | None:
+        """(v, omega) [m/s, rad/s] for the next cycle; None: it is over."""
+        if self._cycle >= len(self._plan):
             return None
-        self._speed = min(self._speed + self._axis.rate * period, self._fastest)
-        moving = self._axis.drive.effective(self._axis.drive.command(self._speed)) if self._sure() else 0.0
-        self._done += max(0.0, moving - self.resistance) * period
-        self._time += period if moving > 0.0 else 0.0
-        speed = -math.copysign(self._speed, self._begin)
+        command = float(self._plan[self._cycle])
+        self._cycle += 1
+        speed = -math.copysign(max(self._axis.effective(command), _TINY), self._begin)
         return (0.0, speed) if self.turning else (speed, 0.0)
 
-    def _sure(self) -> bool:
-        return self._speed >= self._axis.drive.smallest_speed
+    def _best(self) -> Array:
+        """Commands (k,) of the push that leaves least; none where not moving leaves less."""
+        smallest = self._axis.command(_TINY)
+        fastest = max(self._axis.command(_FASTEST[self.turning]), smallest)
+        most = max(1, round(_LONGEST / self._period))
+        ramp = self._rate * self._period * np.arange(1, most + 1)
+        levels, cycles = np.linspace(smallest, fastest, _LEVELS), np.arange(1, most + 1)
+        pushes = np.minimum(ramp, levels[:, None])[None] * (ramp <= ramp[cycles - 1, None])[:, None]
+        pushes = pushes.reshape(-1, most)
+        losses = self._response.losses(pushes, self._period, abs(self._begin))
+        best = pushes[np.argmin(losses)]
+        return best[best > 0.0] if losses.min() < self._begin**2 else np.zeros(0)
 
-    def _learned_after(self, error: Array) -> dict[tuple[bool, bool], float]:
-        """Resistance [m/s or rad/s] by (turning, error was positive), given where the chair stands after this move.
-
-        A move the other way swings the castors: then nothing is known of its axis.
-        """
-        learned = {key: value for key, value in self._learned.items() if key[0] is not self.turning}
+    def _learned_after(self, error: Array) -> Learned:
+        """What is known, given where the chair stands after this move."""
         left = float(error[self._index])
-        if left * self._begin > 0.0:
-            short = max(0.0, self._done - abs(self._begin - left))
-            more = min(short / max(self._time, 0.5 * _DURATION), self._axis.most_more)
-            learned[self.turning, self._begin > 0.0] = self.resistance + more
-        return learned
+        if self.is_worthwhile:
+            self._response.learn(self._plan, self._period, math.copysign(1.0, self._begin) * (self._begin - left))
+        for key, response in self._learned.items():
+            if key != (self.turning, self._begin > 0.0):
+                response.forget()
+        return self._learned

@@ -339,7 +339,7 @@ class Phases:
         return self._decide(chair, self.error)
 
     def _decide(self, chair: Instant, error: Array) -> Command:
-        verdict = judge(error, self._moves, self._parameters)
+        verdict = self._choose(error)
         last = self.retries >= self._parameters.max_retries
         if verdict is Correction.STAY or (verdict is Correction.AGAIN and last and within(error, self._dock.tolerance)):
             self._enter(Phase.VERIFY)
@@ -348,14 +348,26 @@ class Phases:
             return self._try_again(chair, ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock")
         self._enter(Phase.CORRECTING)
         self._moves += 1
-        turning, drive = verdict is Correction.TURN, self._controller.history.drive
-        self._fine_move = FineMove(error, turning, drive, self._chair.limits, self._fine_move)
         return self._correct(chair)
+
+    def _choose(self, error: Array) -> Correction:
+        """What is to be done; `_fine_move` is the move, if one is."""
+        before, use = self._fine_move, {"turn": True, "move": True}
+        while True:
+            verdict = judge(error, self._moves, self._parameters, **use)
+            if verdict not in (Correction.TURN, Correction.MOVE):
+                return verdict
+            turning, drive = verdict is Correction.TURN, self._controller.history.drive
+            move = FineMove(error, turning, drive, self._chair.limits, self._controller.period, before)
+            if move.is_worthwhile:
+                self._fine_move = move
+                return verdict
+            use["turn" if turning else "move"] = False
 
     def _correct(self, chair: Instant) -> Command:
         self._look(chair)
         assert self._fine_move is not None  # set with the phase
-        asked = self._fine_move.speeds(self._controller.period)
+        asked = self._fine_move.speeds()
         if asked is None:
             self._enter(Phase.STOPPING)
             return STANDING
