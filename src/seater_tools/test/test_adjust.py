@@ -31,7 +31,7 @@ def test_a_line_through_points_with_outliers() -> None:
     y = 2.0 - 3.0 * t + 0.1 * rng.standard_normal(400)
     y[::20] += 5.0
     dense = csr_matrix(np.ones((400, 2)))
-    found = minimise(lambda x: (x[0] + x[1] * t - y) / 0.1, Jacobian(dense), np.array([0.0, 0.0]))
+    found = minimise(lambda x: (x[0] + x[1] * t - y) / 0.1, Jacobian(dense), np.array([0.0, 0.0]), 2)
     # 20 outliers pull with HUBER each: a shift of the mean by about 20 * 3 * 0.1 / 380.
     assert found.state == pytest.approx([2.0, -3.0], abs=0.04)
     A = np.column_stack([np.ones(400), t])[found.weights == 1.0]
@@ -40,13 +40,13 @@ def test_a_line_through_points_with_outliers() -> None:
 
 def test_steps_that_go_up_are_damped() -> None:
     """Gauss and Newton's steps of arctan diverge from here."""
-    found = minimise(lambda x: 2.0 * np.arctan(x), Jacobian(csr_matrix(np.ones((1, 1)))), np.array([3.0]))
+    found = minimise(lambda x: 2.0 * np.arctan(x), Jacobian(csr_matrix(np.ones((1, 1)))), np.array([3.0]), 1)
     assert found.state == pytest.approx([0.0], abs=0.06)  # the square falls by less than 0.01 from there
 
 
 def test_residuals_that_are_not_finite_are_refused() -> None:
     with pytest.raises(NoMinimumError, match="not finite"):
-        minimise(lambda x: x * np.nan, Jacobian(csr_matrix(np.ones((1, 1)))), np.array([3.0]))
+        minimise(lambda x: x * np.nan, Jacobian(csr_matrix(np.ones((1, 1)))), np.array([3.0]), 1)
 
 
 def test_huber() -> None:

@@ -14,7 +14,7 @@ from seater_tools.mount.path import Path
 
 Array = NDArray[np.float64]
 
-NEW = (0.01, 0.01)  # [m], [rad] of way and turn that make another image worth taking
+NEW = (0.004, 0.005)  # [m], [rad] of way and turn that make another image worth taking
 FAR = (0.5, 0.35)  # [m], [rad] a pose from one image that is so far off the others is a flip
 
 

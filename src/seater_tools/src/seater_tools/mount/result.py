@@ -112,7 +112,7 @@ def _values(names: Sequence[str], file: Numbers, values: Numbers, sds: Numbers, 
 def _scale_sd(solution: Solution) -> float:
     """Of the mean of the logarithms of all sizes."""
     layout = solution.problem.layout
-    weights = np.zeros(layout.size)
+    weights = np.zeros(layout.first_pose)
     layout.markers(weights)[:, MARKER.index("log_size")] = 1.0 / len(layout.ids)
     return float(np.sqrt(weights @ solution.covariance @ weights))
 

@@ -27,7 +27,7 @@ from seater_tools.mount.problem import Problem, whitening, without
 
 Array = NDArray[np.float64]
 
-MOST_IMAGES = 300  # that are used: the time grows with their third power, 20 s with these
+MOST_IMAGES = 900  # that are used
 OUTLIER = 5.0  # times the median misfit of all sightings
 ROUNDS = 2  # of estimating noise
 LOW, HIGH = np.array([1.0, 0.1, 1.0, 0.1]), np.array([30.0, 30.0, 1.0, 30.0])
@@ -35,7 +35,7 @@ LOW, HIGH = np.array([1.0, 0.1, 1.0, 0.1]), np.array([30.0, 30.0, 1.0, 30.0])
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """`start`: the files' values in the same order as `state`."""
+    """`start`: the files' values in the same order as `state`. `covariance`: of all but the poses."""
 
     problem: Problem
     start: Array
@@ -68,13 +68,13 @@ def solve(
         whiten=whitening(used.covariance),
         factors=np.array([10.0, 1.0, 1.0, 1.0]),  # wide at first: the places in the file are centimetres off
     )
-    first = minimise(problem.residuals, Jacobian(problem.sparsity()), start)
+    first = minimise(problem.residuals, Jacobian(problem.sparsity()), start, layout.first_pose)
     problem = without(problem, _outliers(problem, first.state))
     jacobian = Jacobian(problem.sparsity())
-    minimum = minimise(problem.residuals, jacobian, first.state)
+    minimum = minimise(problem.residuals, jacobian, first.state, layout.first_pose)
     for _ in range(ROUNDS):
         problem = dataclasses.replace(problem, factors=_factors(problem, minimum))
-        minimum = minimise(problem.residuals, jacobian, minimum.state)
+        minimum = minimise(problem.residuals, jacobian, minimum.state, layout.first_pose)
     return Solution(problem, start, minimum.state, minimum.covariance)
 
 
