@@ -220,9 +220,33 @@ def test_a_chessboard_is_seen_where_it_is() -> None:
     view = find_board(render(rays_of(lens), pose, texture(board)), board, "v")
     assert view is not None
     expected = lens.project(board.points() @ cv2.Rodrigues(pose[:3])[0].T + pose[3:])
-    assert np.abs(view.corners - expected).max() < 0.25
+    assert np.sqrt(np.mean((view.corners - expected) ** 2)) < 0.06
 
 
 def test_a_board_sheet_by_the_command(tmp_path: Path) -> None:
     done = run("sheets", "--board", "charuco", "--paper", "a3", "--results", tmp_path)
     assert done.returncode == 0 and [p.name for p in tmp_path.iterdir()] == ["board_charuco_a3.pdf"]
+
+
+def test_debians_cameracalibrator_agrees() -> None:
+    """On the same images of a chessboard, found and fitted by either."""
+    calibrator = pytest.importorskip("camera_calibration.calibrator", reason="needs python3-camera-calibration")
+    board, lens = Board(CHESSBOARD), camera("plumb_bob", LENSES["plumb_bob"])
+    rays, drawn = rays_of(lens), texture(board)
+    images = [render(rays, pose, drawn, i) for i, pose in enumerate(poses(board)[::2])]
+    views = [view for view in (find_board(image, board, "v") for image in images) if view is not None]
+    assert len(views) == len(images)
+    ours = fit_lens(views, board, "plumb_bob", SIZE)
+    theirs = calibrator.MonoCalibrator([calibrator.ChessboardInfo("chessboard", 9, 6, board.square)])
+    corners = theirs.collect_corners(images)
+    theirs.cal_fromcorners(corners)
+    K = theirs.intrinsics
+    found = np.array([K[0, 0], K[1, 1], K[0, 2], K[1, 2], *theirs.distortion.ravel()])
+    # Their corners, our fit: the same minimum, but for a few that count less (Huber).
+    turned = Board(CHESSBOARD, board.rows, board.columns)  # 9 inner corners across, as their detector has it
+    again = fit_lens([View("v", np.arange(54), c[0].reshape(-1, 2)) for c in corners], turned, "plumb_bob", SIZE)
+    sds = np.sqrt(np.diag(again.covariance))
+    assert np.all(np.abs(again.unknowns - found) < 0.5 * sds), (again.unknowns - found, sds)
+    # Each with its own corners: within three standard deviations of the difference.
+    spread = np.hypot(sds, np.sqrt(np.diag(ours.covariance)))
+    assert np.all(np.abs(ours.unknowns - found) < 3.0 * spread), (ours.unknowns - found, spread)
