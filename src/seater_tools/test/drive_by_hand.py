@@ -15,6 +15,7 @@ from seater_tools.drive.drive import Drive
 K = np.array([[640.0, 0.0, 639.5], [0.0, 642.0, 359.5], [0.0, 0.0, 1.0]])
 D = np.array([-0.05, 0.01, 0.0005, -0.0003, 0.0])
 CAMERA = CameraModel(1280, 720, "plumb_bob", D, K, np.eye(3), np.zeros((3, 4)))
+TRACK = 0.56  # [m]
 # (v [m/s], omega [rad/s], duration [s]): near and back, turns to both sides, again.
 TURNS = [(0.0, 0.4, 1.2), (0.0, -0.4, 2.4), (0.0, 0.4, 1.2)]
 DRIVE = [(0.25, 0.0, 7.6), (-0.25, 0.0, 5.2), *TURNS, (0.25, 0.0, 5.2), (-0.25, 0.0, 2.0), *TURNS, (-0.25, 0.0, 3.0)]
@@ -34,6 +35,7 @@ class Truth:
     heading_scale: float = -0.015
     heading_drift: float = 0.004
     noise: float = 0.05  # [px]
+    radii: tuple[float, float] = (0.0, 0.0)  # left and right wheel: so much larger than the odometry believes
     start: tuple[float, float, float] = (-2.35, 0.06, 0.02)
     moves: list[tuple[float, float, float]] = field(default_factory=lambda: list(DRIVE))
 
@@ -77,7 +79,7 @@ def make_drive(truth: Truth, seed: int = 1) -> Drive:
         for _ in range(round(duration / step)):
             pose = arc(pose, v * step, omega * step)
             turn = omega * step * (1.0 + truth.heading_scale) + truth.heading_drift * v * step
-            odom = arc(odom, v * step * (1.0 + truth.scale), turn)
+            odom = arc(odom, *measured(v * step * (1.0 + truth.scale), turn, truth.radii))
             time += step
             odometry.append([time, *odom])
             if round(time / step) % 10 == 0:
@@ -88,6 +90,13 @@ def make_drive(truth: Truth, seed: int = 1) -> Drive:
     covariance = np.tile(truth.noise**2 * np.eye(8), (len(inside), 1, 1))
     image, ids = np.searchsorted(stamps, [s[0] for s in inside]), np.array([s[1] for s in inside])
     return Drive(np.array(odometry), stamps, image, ids, corners, covariance)
+
+
+def measured(way: float, turn: float, radii: tuple[float, float]) -> tuple[float, float]:
+    """Way and turn as wheels of these radii tell them."""
+    left = (way - 0.5 * TRACK * turn) / (1.0 + radii[0])
+    right = (way + 0.5 * TRACK * turn) / (1.0 + radii[1])
+    return 0.5 * (left + right), (right - left) / TRACK
 
 
 def arc(pose: np.ndarray, way: float, turn: float) -> np.ndarray:

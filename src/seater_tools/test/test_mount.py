@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from drive_by_hand import CAMERA, TURNS, Truth, corners_of, make_drive
+from drive_by_hand import CAMERA, TRACK, TURNS, Truth, corners_of, make_drive
 
 from seater_common.geometry import CameraMount, Dock
 from seater_tools.drive.drive import DriveError
@@ -65,6 +65,17 @@ def test_odometry_errors_are_found(solution: Solution) -> None:
     assert scale == pytest.approx(TRUTH.scale, abs=0.002)
     assert heading_scale == pytest.approx(TRUTH.heading_scale, abs=0.003)
     assert drift == pytest.approx(TRUTH.heading_drift, abs=0.003)
+
+
+def test_wheels_of_different_radii_are_no_camera_to_the_side() -> None:
+    """1 % larger left, 1 % smaller right: the chair turns about a point 2.8 mm beside the middle."""
+    truth = dataclasses.replace(TRUTH, radii=(0.01, -0.01), scale=0.0, heading_scale=0.0, heading_drift=0.0)
+    found = solve(make_drive(truth), CAMERA, CameraMount(), Dock(), TAPE, 120)
+    layout = found.problem.layout
+    _, _, drift, way_per_turn, *_ = layout.odometry(found.state)
+    assert drift == pytest.approx(0.02 / TRACK, abs=0.003)
+    assert way_per_turn == pytest.approx(-0.02 * TRACK / 4.0, abs=0.001)
+    assert layout.mount(found.state)[1] == pytest.approx(TRUTH.mount[1], abs=0.0015)
 
 
 def test_other_noise_gives_other_standard_deviations_and_they_are_right() -> None:
