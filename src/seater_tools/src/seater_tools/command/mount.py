@@ -19,9 +19,10 @@ from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError, load, read_yaml
 from seater_sim.settings import SimulatorSettings
+from seater_tools.adjust.robust import NoMinimumError
 from seater_tools.correct.known import bar_sd
 from seater_tools.drive.bag import Topics, read_bag
-from seater_tools.drive.drive import Drive
+from seater_tools.drive.drive import Drive, DriveError
 from seater_tools.files import write_whole
 from seater_tools.mount.copies import chair_text, dock_text
 from seater_tools.mount.picture import draw
@@ -58,14 +59,20 @@ def add_options(parser: argparse.ArgumentParser, config: Path) -> None:
 
 
 def run(options: argparse.Namespace, config: Path) -> int:
-    """Raises ParameterError, DriveError, NoMinimumError (wrong input) and OSError (not written)."""
+    """Raises ParameterError, DriveError (wrong input) and OSError (not written)."""
     dock = load(Dock, read_yaml(options.dock), str(options.dock))
     chair = load(Chair, read_yaml(options.chair), str(options.chair))
     lengths = _lengths(options, dock)
     drive, camera, source = _drive(options, config, chair, dock)
     if options.save_drive is not None:
         drive.save(options.save_drive)
-    solution = solve(drive, camera, chair.camera, dock, lengths)
+    try:
+        solution = solve(drive, camera, chair.camera, dock, lengths)
+    except NoMinimumError as error:
+        raise DriveError(
+            f"nothing like the two files explains this drive ({error}): are ids and places those of the dock file, is "
+            "this the camera's calibration, does x of the odometry point ahead?"
+        ) from error
     calibration = judge(solution, dock, lengths)
     print(describe(calibration))
     if calibration.missing:
