@@ -11,6 +11,7 @@ import yaml
 from as_typed import run
 from drive_by_hand import CAMERA, Truth, make_drive
 from printed import CONFIG, DEFAULT_DOCK
+from test_drive import write_bag
 
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
@@ -120,6 +121,20 @@ def test_a_drive_that_does_not_constrain_writes_nothing(files: Path, tmp_path: P
     assert done.returncode == 3
     assert "turn on the spot, 25 deg to the left and to the right" in done.stdout
     assert not (tmp_path / "out").exists()
+
+
+def test_a_bag_is_read_by_its_topics(tmp_path: Path) -> None:
+    pytest.importorskip("rosbag")
+    write_bag(tmp_path / "drive.bag")  # of a marker 3
+    words = ("mount", "--bag", tmp_path / "drive.bag", "--results", tmp_path / "out")
+    done = run(NODE, *words)
+    assert done.returncode == 2 and "the drive shows markers 3, the dock file has none of them" in done.stderr
+    done = run(NODE, *words, "--odometry-topic", "/wheel_odom")
+    assert done.returncode == 2 and "has no messages on wheel_odom" in done.stderr
+    dock = tmp_path / "dock.yaml"
+    dock.write_text(DEFAULT_DOCK.read_text().replace("id: 0", "id: 3"))
+    done = run(NODE, *words, "--dock", dock)
+    assert done.returncode == 2 and "nothing like the two files explains this drive" in done.stderr
 
 
 def test_from_rendered_images() -> None:
