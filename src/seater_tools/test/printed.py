@@ -21,7 +21,8 @@ from seater_tools.sheets.layout.paper import PAPERS
 Image = NDArray[np.uint8]
 
 ROOT = Path(__file__).resolve().parents[3]
-DEFAULT_DOCK = ROOT / "config" / "docks" / "default.yaml"
+CONFIG = ROOT / "config"
+DEFAULT_DOCK = CONFIG / "docks" / "default.yaml"
 DPI = 300
 PIXEL = 25.4 / DPI  # [mm]
 

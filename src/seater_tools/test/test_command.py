@@ -2,39 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
-import runpy
-import sys
-from dataclasses import dataclass
 from pathlib import Path
-from unittest import mock
 
 import pytest
-from printed import DEFAULT_DOCK, ROOT
-
-NODE = ROOT / "src" / "seater_tools" / "nodes" / "sheets"
-
-
-@dataclass(frozen=True)
-class Done:
-    returncode: object
-    stdout: str
-    stderr: str
+from as_typed import Done
+from as_typed import run as run_program
+from printed import DEFAULT_DOCK
 
 
 def run(folder: Path, *words: str | Path) -> Done:
-    """The program itself, in this process: a new one takes a second to start."""
-    line = [str(NODE), "--results", str(folder), *map(str, words)]
-    out, err = io.StringIO(), io.StringIO()
-    with (
-        mock.patch.object(sys, "argv", line),
-        contextlib.redirect_stdout(out),
-        contextlib.redirect_stderr(err),
-        pytest.raises(SystemExit) as end,
-    ):
-        runpy.run_path(str(NODE), run_name="__main__")
-    return Done(end.value.code, out.getvalue(), err.getvalue())
+    return run_program("sheets", "--results", folder, *words)
 
 
 def test_a_pdf_for_each_dock_file(tmp_path: Path) -> None:

@@ -8,8 +8,8 @@ from typing import Any
 import yaml
 
 from seater_common.params import ParameterError
+from seater_tools.edit.scalars import replaced, written
 
-DIGITS = 5  # of a size in metres: a hundredth of a millimetre
 CORRECTED = "# Sizes of the markers as printed: "  # how the first line of a copy begins
 
 
@@ -22,7 +22,7 @@ def with_printed_sizes(text: str, scale: float, name: str, note: str) -> str:
     refuse_corrected(text, name)
     edited = text
     for node in sorted(_size_nodes(text, name), key=lambda node: -int(node.end_mark.index)):
-        edited = _replaced(edited, node, _written(yaml.safe_load(node.value) * scale))
+        edited = replaced(edited, node, written(yaml.safe_load(node.value) * scale))
     _check(text, edited, scale, name)
     return f"{CORRECTED}{note}\n{edited}"
 
@@ -60,26 +60,10 @@ def _value(mapping: yaml.Node | None, key: str, name: str) -> Any:
     raise ParameterError(f"{name}/{key}: is not written there, so it cannot be corrected")
 
 
-def _written(size: float) -> str:
-    """With a decimal point, without idle zeros."""
-    digits = f"{size:.{DIGITS}f}".rstrip("0")
-    return f"{digits}0" if digits.endswith(".") else digits
-
-
-def _replaced(text: str, node: yaml.ScalarNode, new: str) -> str:
-    """A comment behind the value stays in its column where there is room."""
-    end = node.end_mark.index
-    before, after = text[: end - len(node.value)], text[end:]
-    spaces = len(after) - len(after.lstrip(" "))
-    if after.lstrip(" ").startswith("#"):
-        after = " " * max(1, spaces + len(node.value) - len(new)) + after.lstrip(" ")
-    return before + new + after
-
-
 def _check(text: str, edited: str, scale: float, name: str) -> None:
     """The sizes are new and nothing else, whatever YAML's syntax made of the text. Raises ParameterError."""
     wanted = copy.deepcopy(yaml.safe_load(text))
     for marker in wanted["markers"]:
-        marker["size"] = float(_written(marker["size"] * scale))
+        marker["size"] = float(written(marker["size"] * scale))
     if yaml.safe_load(edited) != wanted:
         raise ParameterError(f"{name}/markers: sizes cannot be replaced one by one; write `size: 0.1` at each marker")

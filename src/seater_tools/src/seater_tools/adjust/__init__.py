@@ -1,0 +1,1 @@
+"""Robust sparse least squares with standard deviations."""

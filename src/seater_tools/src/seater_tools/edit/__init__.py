@@ -1,0 +1,1 @@
+"""Changes of single values in the text of a YAML file."""

@@ -1,0 +1,76 @@
+"""Other values in the text of a YAML file; its comments and everything else stay."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from typing import Any
+
+import yaml
+
+from seater_common.params import ParameterError
+
+Path = tuple[str | int, ...]  # keys of mappings and places in lists, from the outside
+
+
+def with_values(text: str, values: Mapping[Path, float], name: str) -> str:
+    """The text with these numbers at these paths.
+
+    Raises:
+        ParameterError: naming the key that is not written where it can be replaced.
+    """
+    try:
+        root = yaml.compose(text)
+    except yaml.YAMLError as error:
+        raise ParameterError(f"cannot edit {name}: {error}") from error
+    nodes = {path: _node(root, path, name) for path in values}
+    edited = text
+    places = {nodes[path].end_mark.index: path for path in values}  # aliases share one
+    for _, path in sorted(places.items(), reverse=True):
+        edited = replaced(edited, nodes[path], written(values[path]))
+    if yaml.safe_load(edited) != _with(yaml.safe_load(text), values):
+        raise ParameterError(f"{name}: values cannot be replaced one by one; write each at its place, without aliases")
+    return edited
+
+
+def written(value: float) -> str:
+    """With a decimal point, to a hundredth of a millimetre or milliradian, without idle zeros."""
+    digits = f"{round(value, 5) + 0.0:.5f}".rstrip("0")  # no -0.0
+    return f"{digits}0" if digits.endswith(".") else digits
+
+
+def _node(root: yaml.Node | None, path: Path, name: str) -> yaml.ScalarNode:
+    node = root
+    for part in path:
+        node = _entry(node, part)
+    if not isinstance(node, yaml.ScalarNode):
+        raise ParameterError(f"{name}/{'/'.join(map(str, path))}: is not written there, so it cannot be changed")
+    return node
+
+
+def _entry(node: yaml.Node | None, part: str | int) -> yaml.Node | None:
+    if isinstance(part, int):
+        entries = node.value if isinstance(node, yaml.SequenceNode) else []
+        return entries[part] if part < len(entries) else None
+    pairs = node.value if isinstance(node, yaml.MappingNode) else []
+    return next((value for key, value in pairs if key.value == part), None)
+
+
+def replaced(text: str, node: yaml.ScalarNode, new: str) -> str:
+    """The text with a plain scalar of it replaced. A comment behind it stays in its column where there is room."""
+    end = node.end_mark.index
+    before, after = text[: end - len(node.value)], text[end:]  # an anchor before it stays
+    spaces = len(after) - len(after.lstrip(" "))
+    if after.lstrip(" ").startswith("#"):
+        after = " " * max(1, spaces + len(node.value) - len(new)) + after.lstrip(" ")
+    return before + new + after
+
+
+def _with(values: Any, changes: Mapping[Path, float]) -> Any:
+    changed = copy.deepcopy(values)
+    for path, value in changes.items():
+        place = changed
+        for part in path[:-1]:
+            place = place[part]
+        place[path[-1]] = float(written(value))
+    return changed

@@ -1,0 +1,1 @@
+"""A camera's lens, from images of a board."""

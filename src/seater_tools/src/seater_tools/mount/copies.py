@@ -1,0 +1,34 @@
+"""The texts of the new chair.yaml and dock file; comments and everything else stay."""
+
+from __future__ import annotations
+
+from seater_common.geometry import Dock
+from seater_tools.correct.sizes import CORRECTED
+from seater_tools.edit.scalars import with_values
+from seater_tools.mount.result import Calibration
+
+
+def chair_text(text: str, name: str, calibration: Calibration, note: str) -> str:
+    """With the camera's pose. Raises ParameterError naming the key that cannot be replaced."""
+    values: dict[tuple[str | int, ...], float] = {("camera", v.name): v.used for v in calibration.mount}
+    return f"# Camera calibrated: {note}\n{with_values(text, values, name)}"
+
+
+def dock_text(text: str, name: str, dock: Dock, calibration: Calibration, note: str) -> str:
+    """With the markers' places and sizes. It counts as a file with corrected sizes, which is never printed from.
+
+    Raises ParameterError naming the key that cannot be replaced.
+    """
+    values: dict[tuple[str | int, ...], float] = {}
+    for i, marker in enumerate(dock.markers):
+        found = {value.name: value for value in calibration.markers[marker.id]}
+        if found["x"].kept:
+            continue
+        for axis, place in enumerate(("x", "y", "z")):
+            values["markers", i, "position", axis] = found[place].used
+        values["markers", i, "normal_yaw"] = found["yaw"].used
+        values["markers", i, "size"] = found["size"].used
+    first = "" if text.startswith(CORRECTED) else f"{CORRECTED}by the drive that places them\n"
+    head, _, rest = text.partition("\n") if not first else ("", "", text)
+    edited = with_values(rest, values, name)
+    return f"{first or head + chr(10)}# Markers calibrated: {note}\n{edited}"

@@ -1,0 +1,1 @@
+"""The docked pose, from a chair that stands where it shall dock."""

@@ -1,0 +1,1 @@
+"""A drive in front of a simulated dock whose truth is known."""
