@@ -110,6 +110,21 @@ def test_what_is_expected_is_the_mean_over_the_time_between_two_measurements() -
     """A step to 0.4 rad/s behind a lag of 0.2 s, over its first 0.1 s: 0.4 (1 - 2 (1 - exp(-0.5)))."""
     estimator = ResponseEstimator(AxisDrive(), 0.0, 0.2, TURNING)
     estimator.add(0.0, 0.1, lambda start, end: 0.4, 0.4 * (1.0 - 2.0 * (1.0 - math.exp(-0.5))), weight=1.0)
-    times = estimator.delays.index(0.0), estimator.lags.index(0.2)
-    assert estimator.difference(*times) == pytest.approx(0.0, abs=1e-12)
-    assert abs(estimator.difference(times[0], times[1] + 1)) > 0.01
+    assert estimator.difference() == pytest.approx(0.0, abs=1e-12)
+
+
+def test_while_a_command_changes_an_unknown_delay_is_no_chair_that_turns_by_itself() -> None:
+    """A swinging command that acts 0.1 s later than thought: the first differences may be that. A steady turn of 0.05
+    rad/s more than commanded is none of it."""
+    late, turning = (
+        ResponseEstimator(AxisDrive(), 0.15, 0.2, TURNING),
+        ResponseEstimator(AxisDrive(), 0.15, 0.2, TURNING),
+    )
+    differences = []
+    for k in range(15):
+        start, end = 0.05 * k, 0.05 * (k + 1)
+        late.add(start, end, lambda a, b: 0.6 * max(0.0, a), 0.6 * max(0.0, end - 0.35 - 0.1), weight=1.0)
+        turning.add(start, end, lambda a, b: 0.0, 0.05, weight=1.0)
+        differences.append(late.difference())
+    assert max(map(abs, differences)) < 0.01
+    assert turning.difference() == pytest.approx(0.05)

@@ -66,7 +66,7 @@ class Actuation:
         )
         self._learn(duration)
         if planned and abs(v) >= _DRIVING:
-            self._curvature.add(self._estimate_omega.difference(self._delay, self._lag_omega), v, duration)
+            self._curvature.add(self._estimate_omega.difference(), v, duration)
             self._history.drive.curvature = self._curvature.value
 
     def _learn(self, duration: float) -> None:
