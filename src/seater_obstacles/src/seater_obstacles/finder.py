@@ -1,0 +1,120 @@
+"""From sights to what the chair has to keep clear of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seater_common.geometry import Chair, Dock
+from seater_common.se2 import inverse, transform_points
+from seater_obstacles.clusters import clusters, outline, pieces, size, thinned
+from seater_obstacles.exempt import DockShape, is_chair
+from seater_obstacles.memory import Memory
+from seater_obstacles.settings import ObstacleSettings
+from seater_obstacles.sight import Sight, View
+from seater_obstacles.tracks import Track, Tracks
+
+Array = NDArray[np.float64]
+
+_STEP = 0.1  # [m] between the places on the way of a moving thing
+_PERSON = 0.25  # [m] radius of a moving thing that is out of sight
+
+
+@dataclass(frozen=True)
+class Found:
+    """What stands in the way."""
+
+    outlines: list[Array]  # convex, anticlockwise, (k, 2) [m] in odom, the nearest first
+    points: Array  # (n, 2) [m] in base_link: all that is seen or remembered, and where moving things will be
+    moving: int  # so many things move
+    remembered: int  # so many of the points are in blind areas
+    blind: float  # part of the full circle that is not seen, 0 .. 1
+
+
+@dataclass(frozen=True)
+class _Mover:
+    points: Array  # (n, 2) [m] in odom
+    velocity: Array  # (2,) [m/s]
+
+
+class ObstacleFinder:
+    """Tell it each sight, in the order of their stamps."""
+
+    def __init__(self, settings: ObstacleSettings, chair: Chair, dock: Dock) -> None:
+        self._settings, self._chair = settings, chair
+        self._shape = DockShape(dock, settings.sense.dock_margin)
+        self._memory = Memory(settings.track.memory, 2.0 * settings.cluster.cell)
+        self._tracks = Tracks(settings.track)
+
+    def update(self, stamp: float, sight: Sight, T_odom_base: ArrayLike, T_odom_dock: ArrayLike | None) -> Found:
+        """What is in the way after the sight of `stamp` [s].
+
+        Args:
+            stamp: of the measurement; when it goes back, tracks and memory begin anew.
+            sight: in base_link.
+            T_odom_base: (x, y, heading) of the chair at the stamp.
+            T_odom_dock: of the dock; None: not known, and then nothing is taken for the dock.
+        """
+        own = is_chair(sight.points, self._chair, self._settings.sense.self_margin)
+        seen = transform_points(T_odom_base, sight.points[~own])
+        if T_odom_dock is not None:
+            seen = seen[~self._shape.contains(seen, T_odom_dock)]
+        still, movers = self._told_apart(stamp, seen, sight.view, T_odom_base)
+        old = self._remembered(stamp, sight, T_odom_base, T_odom_dock)
+        self._memory.add(stamp, still)
+        standing = np.vstack([still, old])
+        ways = [self._way(mover) for mover in movers]
+        T_base_odom = inverse(T_odom_base)
+        return Found(
+            outlines=self._outlines(standing, movers, T_base_odom),
+            points=transform_points(T_base_odom, np.vstack([standing, *ways])),
+            moving=len(movers),
+            remembered=len(old),
+            blind=sight.view.blind,
+        )
+
+    def _told_apart(self, stamp: float, seen: Array, view: View, T_odom_base: ArrayLike) -> tuple[Array, list[_Mover]]:
+        """Points (n, 2) of what stands, and what moves; all in odom. Clusters of too few points are noise.
+
+        The edge of a shadow moves though nothing does: what is partly hidden is not followed.
+        """
+        c, t = self._settings.cluster, self._settings.track
+        cells, counts = thinned(seen, c.cell)
+        groups = [cells[g] for g in clusters(cells, c.link) if counts[g].sum() >= c.min_points]
+        T = inverse(T_odom_base)
+        small = [g for g in groups if size(g) <= t.max_size and not view.hides(transform_points(T, g))]
+        tracks = self._tracks.update(stamp, [0.5 * (g.min(axis=0) + g.max(axis=0)) for g in small])
+        movers = [_Mover(g, k.velocity) for g, k in zip(small, tracks, strict=True) if k.moves(t.moving)]
+        moving = {id(mover.points) for mover in movers}
+        movers += [_lost(track) for track in self._tracks.lost()]
+        still = [g for g in groups if id(g) not in moving]
+        return (np.vstack(still) if still else np.empty((0, 2))), movers
+
+    def _remembered(self, stamp: float, sight: Sight, T_odom_base: ArrayLike, T_odom_dock: ArrayLike | None) -> Array:
+        old = self._memory.unseen(stamp, sight.view, T_odom_base)
+        wrong = is_chair(transform_points(inverse(T_odom_base), old), self._chair, 0.0)
+        if T_odom_dock is not None:
+            wrong |= self._shape.contains(old, T_odom_dock)
+        self._memory.drop(wrong)
+        return old[~wrong]
+
+    def _way(self, mover: _Mover) -> Array:
+        """Where its points (n, 2) are and will be."""
+        way = self._settings.track.prediction * mover.velocity
+        steps = np.linspace(0.0, 1.0, 1 + int(np.ceil(float(np.hypot(*way)) / _STEP)))
+        return np.asarray(mover.points[None] + steps[:, None, None] * way).reshape(-1, 2)
+
+    def _outlines(self, standing: Array, movers: list[_Mover], T_base_odom: Array) -> list[Array]:
+        c = self._settings.cluster
+        groups = [piece for g in clusters(standing, c.link) for piece in pieces(standing[g], c.max_length)]
+        groups += [self._way(mover) for mover in movers]
+        found = [outline(group, c.thickness) for group in groups]
+        found.sort(key=lambda o: float(np.min(np.hypot(*transform_points(T_base_odom, o).T))))
+        return found[: c.max_outlines]
+
+
+def _lost(track: Track) -> _Mover:
+    angles = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
+    return _Mover(track.position + _PERSON * np.column_stack([np.cos(angles), np.sin(angles)]), track.velocity)
