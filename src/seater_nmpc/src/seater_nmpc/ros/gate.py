@@ -22,6 +22,7 @@ CODES = {
     GateState.EMERGENCY_STOP: ResultCode.EMERGENCY_STOP,
     GateState.RUNAWAY: ResultCode.RUNAWAY,
     GateState.WRONG_DIRECTION: ResultCode.WRONG_DIRECTION,
+    GateState.OBSTACLE: ResultCode.BLOCKED,
 }
 MOTOR_FAULTS = {CODES[state]: state for state in (GateState.RUNAWAY, GateState.WRONG_DIRECTION)}
 

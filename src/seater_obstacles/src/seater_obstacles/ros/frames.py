@@ -66,7 +66,6 @@ class Where:
 
     def _dock(self, stamp: rospy.Time) -> Array | None:
         """Where it is taken to be; a lost marker moves no dock."""
-        frames = self._frames
         times = [stamp - DOCK_DELAY] if self._lock_step and stamp > rospy.Time() + DOCK_DELAY else []
         for at in [*times, rospy.Time()]:
             try:
