@@ -100,7 +100,8 @@ class PlantNode:
         if due.truth.collisions != self._collisions:
             self._collisions = due.truth.collisions
             self._topics.publish_collisions(self._collisions)
-        for taken in due.ranges if self._ranges is not None else []:
+        for taken in due.ranges:
+            assert self._ranges is not None  # there is a sensor
             self._ranges.publish(taken)
         sample = None if due.odometry is None else self._odometry_fault.apply(due.odometry)
         if sample is not None:
