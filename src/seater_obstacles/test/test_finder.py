@@ -68,10 +68,21 @@ def walk(start: float, speed: float, duration: float, base: np.ndarray = ORIGIN)
 def test_a_walking_person_is_expected_ahead_of_where_he_is(speed: float) -> None:
     found, at = walk(-1.2 * np.sign(speed), speed, 0.8)
     assert found.moving == 1
-    assert covers(found.outlines, [at + [-0.15, 0.0], at + [-0.15, 0.8 * speed]])
+    assert not covers(found.outlines, [at + [-0.17, 0.0]])  # the controller plans round nobody who walks
     ahead = found.points[np.abs(found.points[:, 0] - 1.7) < 0.2]
     assert np.max(np.sign(speed) * (ahead[:, 1] - at[1])) > 0.8 * abs(speed)
     assert np.min(np.sign(speed) * (ahead[:, 1] - at[1])) > -0.35  # and not where he has been
+
+
+def test_who_walks_out_of_view_is_expected_where_he_was_last_for_a_while() -> None:
+    f, narrow, lost = finder(), 0.5, ObstacleSettings().track.lost
+    for i in range(12):
+        at = np.array([1.8, -0.55 + 0.1 * i])
+        found = f.update(10.0 + i * PERIOD, scan(ORIGIN, [disc(*at)], narrow), ORIGIN, None)
+    stamp = 10.0 + 11 * PERIOD
+    for after, expected in ((0.5, True), (lost - 0.5, True), (lost + 0.5, False)):
+        found = f.update(stamp + after, scan(ORIGIN, [], narrow), ORIGIN, None)
+        assert bool(len(found.points)) is expected and not found.outlines
 
 
 def test_who_stands_does_not_move_nor_does_the_wall_behind_him() -> None:

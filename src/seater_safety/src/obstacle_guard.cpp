@@ -15,6 +15,7 @@ constexpr double kStep = 0.02;     // [m] between the places of the footprint th
 constexpr double kCreep = 0.001;   // [m] by which a point within the margin may come nearer: rounding
 constexpr double kHold = 0.05;     // [s] until the next look at a command
 constexpr double kSlowest = 0.02;  // [m/s] slower is no driving, but creeping up to something
+constexpr double kCalm = 0.5;      // [s] after a stop: no stop and go at the edge of a zone
 constexpr double kPause = 1.0;     // [s] between two looks: nobody looked
 constexpr double kMemory = 5.0;    // [s] of what was sent; no measurement that counts is older
 constexpr double kFree = std::numeric_limits<double>::infinity();
@@ -44,7 +45,7 @@ void ObstacleGuard::sent(double now, const Velocity& velocity) {
 void ObstacleGuard::forget() {
   sights_.clear();
   sent_.clear();
-  looked_ = -1e18;
+  looked_ = calm_until_ = -1e18;
   reason_.clear();
 }
 
@@ -83,6 +84,11 @@ Velocity ObstacleGuard::limited(double now, const Velocity& wanted) {
   for (const auto& [source, sights] : sights_) {
     const Sight* sight = current(now, source);
     if (sight != nullptr && sight->blocked.empty()) least = std::min(least, share(now, wanted, *sight));
+  }
+  if (least == 0.0) calm_until_ = now + kCalm;
+  if (least < 1.0 && least > 0.0 && now < calm_until_) {
+    least = 0.0;
+    reason_ = "stopped: waits until the way is free, as something was in the way";
   }
   return {least * wanted.linear, least * wanted.angular};
 }

@@ -91,6 +91,16 @@ TEST(ObstacleGuard, TheNewestOfEachSourceCounts) {
   EXPECT_EQ(guard.limited(11.0 + kDefault.obstacle_timeout + 0.01, {0.5, 0.0}).linear, 0.5) << "nobody requires it";
 }
 
+TEST(ObstacleGuard, AfterAStopTheChairDoesNotCreepOn) {
+  ObstacleGuard guard{kDefault};
+  guard.seen(10.0, 10.0, kScan, {{kFront + 0.04, 0.0}});
+  EXPECT_EQ(guard.limited(10.0, {0.5, 0.0}).linear, 0.0);
+  EXPECT_EQ(guard.limited(10.0, {-0.2, 0.0}).linear, -0.2) << "the way out";
+  guard.seen(10.1, 10.1, kScan, {{kFront + 0.2, 0.0}});
+  EXPECT_EQ(guard.limited(10.4, {0.5, 0.0}).linear, 0.0);
+  EXPECT_GT(guard.limited(10.55, {0.5, 0.0}).linear, 0.0);
+}
+
 TEST(ObstacleGuard, ASilentOldOrBlockedSourceIsBlind) {
   const double patience = kDefault.obstacle_timeout;
   ObstacleGuard guard{kDefault, {kScan}};

@@ -31,11 +31,13 @@ def settings(ranging: RangingSettings = EXACT, **changes: object) -> SimulatorSe
     return dataclasses.replace(SimulatorSettings(plant=PLANT), ranging=ranging, **changes)
 
 
-def scanned(
-    pose: tuple[float, float, float], elapsed: float = 0.0, **changes: object
-) -> tuple[RangeSensor, np.ndarray]:
+Scan = tuple[RangeSensor, np.ndarray]
+NOBODY = np.empty((0, 2))
+
+
+def scanned(pose: tuple[float, float, float], there: np.ndarray = NOBODY, **changes: object) -> Scan:
     sensor = RangeSensor(settings(**changes), Chair().camera, Dock(), None)
-    return sensor, sensor.measure(pose, elapsed, 1, 1)
+    return sensor, sensor.measure(pose, there, 1, 1)
 
 
 def ahead(sensor: RangeSensor, ranges: np.ndarray, bearing: float = 0.0) -> float:
@@ -65,7 +67,7 @@ def test_a_depth_image_has_floor_and_things_at_their_depth(model: CameraModel) -
     sensor = RangeSensor(
         settings(dataclasses.replace(EXACT, kind=DEPTH), obstacles=[BOX]), Chair().camera, Dock(), model
     )
-    depth = sensor.measure((-3.0, 0.0, 0.0), 0.0, 1, 1)
+    depth = sensor.measure((-3.0, 0.0, 0.0), NOBODY, 1, 1)
     v = np.arange(90) - sensor.K[1, 2]
     middle = depth[:, 80]
     box = 3.0 - 1.1 - 0.45
@@ -84,7 +86,7 @@ def test_a_depth_image_needs_a_calibration() -> None:
 
 def test_noise_depends_on_seed_and_index_only() -> None:
     sensor = RangeSensor(settings(RangingSettings(SCAN)), Chair().camera, Dock(), None)
-    one, same, other = (sensor.measure((-2.0, 0.0, 0.0), 0.0, 1, i) for i in (1, 1, 2))
+    one, same, other = (sensor.measure((-2.0, 0.0, 0.0), NOBODY, 1, i) for i in (1, 1, 2))
     assert np.array_equal(one, same, equal_nan=True) and not np.array_equal(one, other, equal_nan=True)
     both = np.isfinite(one) & np.isfinite(other)
     assert np.std(one[both] - other[both]) == pytest.approx(math.sqrt(2.0) * 0.01, rel=0.2)
@@ -104,19 +106,28 @@ def test_without_a_sensor_there_is_nothing() -> None:
 
 def test_who_walks_is_seen_where_he_is() -> None:
     walker = Walker([-0.5, -1.2], [0.0, 1.2], begin=1.0, duration=2.0, radius=0.2)
-    assert walker.position(0.5) == pytest.approx([-0.5, -1.2]) and walker.position(9.0) == pytest.approx([-0.5, 1.2])
-    sensor, ranges = scanned((-2.0, 0.0, 0.0), 2.0, walkers=[walker])
+    simulator = Simulator(settings(walkers=[walker]), Chair(), Dock(), None, (-2.0, 0.0, 0.0))
+    places = []
+    for _ in range(400):
+        simulator.step()
+        places.append(float(simulator.walkers[0, 1]))
+    assert places[49] == -1.2 and places[199] == pytest.approx(0.0) and places[399] == pytest.approx(1.2)
+    sensor, ranges = scanned((-2.0, 0.0, 0.0), np.array([[-0.5, 0.0]]), walkers=[walker])
     assert ahead(sensor, ranges) == pytest.approx(2.0 - 0.5 - 0.7 - 0.2, abs=0.005)
 
 
 @pytest.mark.parametrize(("v", "touches"), [(0.3, 1), (0.0, 0)])
-def test_only_a_moving_chair_touches_who_walks(v: float, touches: int) -> None:
-    walker = Walker([-1.3, -1.5], [0.0, 1.2], begin=0.5, duration=1.25)
-    simulator = Simulator(settings(walkers=[walker]), Chair(), Dock(), None, (-2.2, 0.0, 0.0))
-    for _ in range(300):
+def test_the_chair_touches_who_stands_ahead_and_nobody_walks_into_it(v: float, touches: int) -> None:
+    stops_ahead = Walker([-1.0, -1.5], [0.0, 1.5], begin=0.0, duration=1.0)
+    comes_aside = Walker([-2.2, -2.4], [0.0, 1.2], begin=0.5, duration=9.0)
+    simulator = Simulator(settings(walkers=[stops_ahead, comes_aside]), Chair(), Dock(), None, (-2.2, 0.0, 0.0))
+    for _ in range(400):
         simulator.command(v, 0.0)
         due = simulator.step()
     assert due.truth.collisions == touches
+    if not v:
+        assert simulator.walkers[0, 1] == pytest.approx(0.0)
+        assert simulator.walkers[1, 1] == pytest.approx(-0.325 - 0.22 - 0.1, abs=0.02)  # he waits
 
 
 def test_a_period_that_no_odometry_has_is_refused() -> None:

@@ -1,4 +1,8 @@
-"""From sights to what the chair has to keep clear of."""
+"""From sights to what the chair has to keep clear of.
+
+Of what moves the gate is told and the controller is not: to plan round somebody who walks would turn the chair away
+from the dock; it waits until he has passed.
+"""
 
 from __future__ import annotations
 
@@ -14,19 +18,18 @@ from seater_obstacles.exempt import DockShape, is_chair
 from seater_obstacles.memory import Memory
 from seater_obstacles.settings import ObstacleSettings
 from seater_obstacles.sight import Sight, View
-from seater_obstacles.tracks import Track, Tracks
+from seater_obstacles.tracks import Tracks
 
 Array = NDArray[np.float64]
 
 _STEP = 0.1  # [m] between the places on the way of a moving thing
-_PERSON = 0.25  # [m] radius of a moving thing that is out of sight
 
 
 @dataclass(frozen=True)
 class Found:
     """What stands in the way."""
 
-    outlines: list[Array]  # convex, anticlockwise, (k, 2) [m] in odom, the nearest first
+    outlines: list[Array]  # of what stands: convex, anticlockwise, (k, 2) [m] in odom, the nearest first
     points: Array  # (n, 2) [m] in base_link: all that is seen or remembered, and where moving things will be
     moving: int  # so many things move
     remembered: int  # so many of the points are in blind areas
@@ -46,6 +49,7 @@ class ObstacleFinder:
         self._settings, self._chair = settings, chair
         self._shape = DockShape(dock, settings.sense.dock_margin)
         self._memory = Memory(settings.track.memory, 2.0 * settings.cluster.cell)
+        self._ways = Memory(settings.track.lost, 2.0 * settings.cluster.cell)  # of moving things
         self._tracks = Tracks(settings.track)
 
     def update(self, stamp: float, sight: Sight, T_odom_base: ArrayLike, T_odom_dock: ArrayLike | None) -> Found:
@@ -62,16 +66,17 @@ class ObstacleFinder:
         if T_odom_dock is not None:
             seen = seen[~self._shape.contains(seen, T_odom_dock)]
         still, movers = self._told_apart(stamp, seen, sight.view, T_odom_base)
-        old = self._remembered(stamp, sight, T_odom_base, T_odom_dock)
+        old = self._remembered(self._memory, stamp, sight, T_odom_base, T_odom_dock)
+        lost = self._remembered(self._ways, stamp, sight, T_odom_base, T_odom_dock)
+        ways = np.vstack([np.empty((0, 2)), *(self._way(mover) for mover in movers)])
         self._memory.add(stamp, still)
-        standing = np.vstack([still, old])
-        ways = [self._way(mover) for mover in movers]
-        T_base_odom = inverse(T_odom_base)
+        self._ways.add(stamp, ways)
+        standing, T_base_odom = np.vstack([still, old]), inverse(T_odom_base)
         return Found(
-            outlines=self._outlines(standing, movers, T_base_odom),
-            points=transform_points(T_base_odom, np.vstack([standing, *ways])),
+            outlines=self._outlines(standing, T_base_odom),
+            points=transform_points(T_base_odom, np.vstack([standing, ways, lost])),
             moving=len(movers),
-            remembered=len(old),
+            remembered=len(old) + len(lost),
             blind=sight.view.blind,
         )
 
@@ -88,16 +93,18 @@ class ObstacleFinder:
         tracks = self._tracks.update(stamp, [0.5 * (g.min(axis=0) + g.max(axis=0)) for g in small])
         movers = [_Mover(g, k.velocity) for g, k in zip(small, tracks, strict=True) if k.moves(t.moving)]
         moving = {id(mover.points) for mover in movers}
-        movers += [_lost(track) for track in self._tracks.lost()]
         still = [g for g in groups if id(g) not in moving]
         return (np.vstack(still) if still else np.empty((0, 2))), movers
 
-    def _remembered(self, stamp: float, sight: Sight, T_odom_base: ArrayLike, T_odom_dock: ArrayLike | None) -> Array:
-        old = self._memory.unseen(stamp, sight.view, T_odom_base)
+    def _remembered(
+        self, memory: Memory, stamp: float, sight: Sight, T_odom_base: ArrayLike, T_odom_dock: ArrayLike | None
+    ) -> Array:
+        """Of this memory, in odom (n, 2): what lies in blind areas and is neither the chair nor the dock."""
+        old = memory.unseen(stamp, sight.view, T_odom_base)
         wrong = is_chair(transform_points(inverse(T_odom_base), old), self._chair, 0.0)
         if T_odom_dock is not None:
             wrong |= self._shape.contains(old, T_odom_dock)
-        self._memory.drop(wrong)
+        memory.drop(wrong)
         return old[~wrong]
 
     def _way(self, mover: _Mover) -> Array:
@@ -106,15 +113,9 @@ class ObstacleFinder:
         steps = np.linspace(0.0, 1.0, 1 + int(np.ceil(float(np.hypot(*way)) / _STEP)))
         return np.asarray(mover.points[None] + steps[:, None, None] * way).reshape(-1, 2)
 
-    def _outlines(self, standing: Array, movers: list[_Mover], T_base_odom: Array) -> list[Array]:
+    def _outlines(self, standing: Array, T_base_odom: Array) -> list[Array]:
         c = self._settings.cluster
         groups = [piece for g in clusters(standing, c.link) for piece in pieces(standing[g], c.max_length)]
-        groups += [self._way(mover) for mover in movers]
         found = [outline(group, c.thickness) for group in groups]
         found.sort(key=lambda o: float(np.min(np.hypot(*transform_points(T_base_odom, o).T))))
         return found[: c.max_outlines]
-
-
-def _lost(track: Track) -> _Mover:
-    angles = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
-    return _Mover(track.position + _PERSON * np.column_stack([np.cos(angles), np.sin(angles)]), track.velocity)

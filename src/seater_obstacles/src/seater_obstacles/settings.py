@@ -47,7 +47,7 @@ class TrackSettings:
     memory: float = param(
         20.0, "s", "a thing that stands is remembered so long where it cannot be seen", low=0.0, high=600.0
     )
-    lost: float = param(1.0, "s", "the same for a thing that moves", low=0.0, high=10.0)
+    lost: float = param(3.0, "s", "the same for the way of a thing that moves", low=0.0, high=60.0)
 
 
 @dataclass(frozen=True)

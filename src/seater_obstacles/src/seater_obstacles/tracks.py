@@ -12,6 +12,7 @@ Array = NDArray[np.float64]
 _POSITION_SD = 0.06  # [m] of a cluster's middle: other parts of the thing are seen from elsewhere
 _SPEED_SD = 1.0  # [m/s] of a thing seen for the first time: a walk
 _ACCELERATION = 1.0  # [m/s^2] of somebody who starts, stops or turns
+_LOST = 0.5  # [s] without being seen after which a track ends
 _HITS = 3  # times that a thing is seen before it moves
 _CERTAIN = 2.5  # standard deviations by which its speed differs from zero
 
@@ -72,12 +73,8 @@ class Tracks:
             if i not in found:
                 found[i] = Track(stamp, middles[i])
                 self._tracks.append(found[i])
-        self._tracks = [track for track in self._tracks if stamp - track.seen <= self._settings.lost]
+        self._tracks = [track for track in self._tracks if stamp - track.seen <= _LOST]
         return [found[i] for i in range(len(middles))]
-
-    def lost(self) -> list[Track]:
-        """Moving things that were not seen in the last update, where they are expected."""
-        return [t for t in self._tracks if t.seen < t.stamp and t.moves(self._settings.moving)]
 
     def _pairs(self, middles: list[Array]) -> list[tuple[int, int]]:
         """(cluster, track) within the largest jump, the nearest first."""

@@ -4,7 +4,8 @@
 // nearer than obstacle_margin to a point, the way up to there has to suffice for what the motors were told since and
 // do not yet act on (motion_delay), and for braking. Stop zone: it does not, the chair stops. Slow zone beyond it: the
 // command is scaled, its arc kept, so that braking by a_max and alpha_max suffices. A point that is nearer than the
-// margin already stops only what brings it nearer: the way out stays open.
+// margin already stops only what brings it nearer: the way out stays open. After a stop the chair does not creep on:
+// for half a second only a way that is free altogether is taken.
 //
 // Ways are counted in metres that the outermost corner moves at most: |v| + reach |omega| per second.
 #pragma once
@@ -67,6 +68,7 @@ class ObstacleGuard {
   double reach_;  // [m] of the footprint from base_link
   std::map<std::string, std::deque<Sight>> sights_;
   std::deque<Sent> sent_;
+  double calm_until_ = -1e18;                  // [s] after a stop
   double looked_ = -1e18, looks_since_ = 0.0;  // [s] the last look, and the first of those without a pause
   std::string reason_;
 };

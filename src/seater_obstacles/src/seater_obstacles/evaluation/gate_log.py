@@ -44,6 +44,11 @@ class GateLog:
         self._stopped, self._last = stopped, now
         return float(v), float(omega)
 
+    @property
+    def holds(self) -> bool:
+        """Whether the chair is stopped for something in the way, as gate_state says."""
+        return self._stopped
+
     def values(self) -> dict[str, Any]:
         """Stops, and time for which the chair was slowed down or stopped."""
         return {"gate_stops": self._stops, "gate_limited_s": self._slow}

@@ -24,7 +24,7 @@ from seater_obstacles.finder import ObstacleFinder
 from seater_obstacles.scan import scan_sight
 from seater_obstacles.sight import Sight
 from seater_sim.chair.interface import OdometrySample
-from seater_sim.loop.simulator import Simulator
+from seater_sim.loop.simulator import Simulator, Truth
 from seater_sim.ranging.taken import SimulatedRange
 from seater_sim.settings import NANOSECONDS, SCAN
 
@@ -74,15 +74,19 @@ class _Run:
         self._cycle, self._next_image = -1, 0.0
         self.results: list[Result] = []
         self._ended = math.nan
+        self._touches: list[dict[str, float]] = []
 
     def drive(self) -> None:
         """Until the last goal has ended."""
         simulator, begin, steps = self._simulator, self._simulator.time_ns, 0
         self._take(simulator.first_odometry())
         while (elapsed := (simulator.time_ns - begin) / NANOSECONDS) < _LONGEST:
+            before = simulator.truth
             due = simulator.step()
             steps += 1
             now = due.time_ns / NANOSECONDS
+            if due.truth.collisions > len(self._touches):
+                self._touches.append(self._touch(elapsed, due.truth, before))
             self._look(now, due.truth.pose)
             if due.odometry is not None:
                 self._take(due.odometry)
@@ -128,6 +132,7 @@ class _Run:
                 return
             self._sequence.start_dock(now)
         self._parts.controller.set_obstacles(self._in_dock())
+        self._sequence.held = self._gate.holds
         step = self._sequence.update(now, contact)
         self._gate.request(now, step.command.v, step.command.omega)
         if step.result is not None:
@@ -157,6 +162,13 @@ class _Run:
             return scan_sight(values, float(sensor.angles[0]), scan.step, limits, T, sense.max_range)
         return cloud_sight(self._depth.cloud(values.astype(np.float32), sensor.K), sensor.T_base_sensor, sense)
 
+    def _touch(self, elapsed: float, truth: Truth, before: Truth) -> dict[str, float]:
+        """When the chair touches something: its speeds just before, and where in base_link somebody walks then."""
+        values = {"at_s": elapsed, "v": before.v, "omega": before.omega}
+        for x, y in transform_points(inverse(truth.pose), self._simulator.walkers):
+            values |= {"walker_x": float(x), "walker_y": float(y)}
+        return values
+
     def values(self) -> dict[str, Any]:
         """For JSON."""
         truth = self._simulator.truth
@@ -166,7 +178,7 @@ class _Run:
         return {
             "case": self._job.case,
             "seed": self._job.seed,
-            "touches": truth.collisions,
+            "touches": self._touches,
             "smallest_gap_m": truth.min_clearance,
             "docked": bool(docked and self.results and self.results[-1].success),
             "goals": len(self.results),

@@ -168,6 +168,11 @@ class Simulator:
         return self._plant.refused
 
     @property
+    def walkers(self) -> Array:
+        """Where those are who walk, (n, 2) [m] in the dock frame."""
+        return self._walkers.positions
+
+    @property
     def truth(self) -> Truth:
         """How things are now."""
         plant, collision = self._plant, self._collision
@@ -208,9 +213,9 @@ class Simulator:
         for event in events:
             self.world.apply(event)
         self._contact.update(plant.pose, plant.v, plant.omega)
-        self._walkers.update(plant.pose, plant.v, plant.omega, elapsed)
+        self._walkers.update(plant.pose, elapsed)
         self._take_images(before_ns)
-        ranges = self._ranges.step(self.time_ns, plant.pose)
+        ranges = self._ranges.step(self.time_ns, plant.pose, self._walkers.positions)
         tick = plant.time_ns % to_ns(self.settings.odometry.period) == 0
         if tick:
             self._measure_odometry()

@@ -37,13 +37,13 @@ class RangeSensor:
         self.K, self._rays = _pixels(model, self.settings.depth.columns, self.settings.depth.rows)
         self.T_base_sensor = mount.T_base_optical()
 
-    def measure(self, pose: ArrayLike, elapsed: float, seed: int, index: int) -> Array:
-        """With base_link at `pose` in the dock frame, `elapsed` [s] after the start of the run.
+    def measure(self, pose: ArrayLike, walkers: Array, seed: int, index: int) -> Array:
+        """With base_link at `pose` and the walkers at their positions (n, 2) [m] in the dock frame.
 
         scan: (n,) ranges [m], infinite: nothing. depth: (rows, columns) along the optical axis [m], 0: not measured.
         """
         T = pose_matrix(pose) @ self.T_base_sensor
-        reach = cast(T[:3, 3], self._rays @ T[:3, :3].T, self._walls + walking(self._walkers, elapsed))
+        reach = cast(T[:3, 3], self._rays @ T[:3, :3].T, self._walls + walking(self._walkers, walkers))
         rng = np.random.default_rng([seed, index, 7])
         if self.kind == SCAN:
             scan = self.settings.scan

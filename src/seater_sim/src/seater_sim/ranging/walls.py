@@ -44,11 +44,11 @@ def standing(dock: Dock, obstacles: list[Obstacle]) -> Walls:
     return walls
 
 
-def walking(walkers: list[Walker], elapsed: float) -> Walls:
-    """Who walks, `elapsed` [s] after the start of the run."""
+def walking(walkers: list[Walker], positions: Array) -> Walls:
+    """Who walks, at these positions (n, 2) [m]."""
     walls = Walls(np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
-    for walker in walkers:
-        walls += prism(walker.polygon(elapsed), walker.height)
+    for walker, position in zip(walkers, positions, strict=True):
+        walls += prism(position + walker.polygon(0.0) - walker.position(0.0), walker.height)
     return walls
 
 

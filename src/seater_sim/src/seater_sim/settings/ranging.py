@@ -50,7 +50,10 @@ class RangingSettings:
 
 @dataclass(frozen=True)
 class Walker:
-    """Somebody who walks along a straight line. Only the sensor of obstacles sees him, not the camera."""
+    """Somebody who walks along a straight line; he waits where he would come too near to the chair.
+
+    Only the sensor of obstacles sees him, the camera does not.
+    """
 
     start: list[float] = param([0.0, 0.0], "m", "where he stands before, in the dock frame", length=2)
     velocity: list[float] = param([0.0, 0.0], "m/s", "in the dock frame", length=2)
@@ -58,13 +61,13 @@ class Walker:
     duration: float = param(10.0, "s", "of the walk", low=0.0)
     radius: float = param(0.22, "m", "of him, seen from above", low=0.05, high=1.0)
     height: float = param(1.7, "m", "", low=0.1, high=3.0)
+    keeps: float = param(0.1, "m", "he comes no nearer to the chair by himself", low=0.0, high=2.0)
 
-    def position(self, elapsed: float) -> np.ndarray:
-        """(2,) [m] in the dock frame, `elapsed` [s] after the start of the run."""
-        walked = min(max(elapsed - self.begin, 0.0), self.duration)
+    def position(self, walked: float) -> np.ndarray:
+        """(2,) [m] in the dock frame, after he has walked for `walked` [s]."""
         return np.array(self.start) + walked * np.array(self.velocity)
 
-    def polygon(self, elapsed: float) -> np.ndarray:
+    def polygon(self, walked: float) -> np.ndarray:
         """Corners, (12, 2) [m], anticlockwise, in the dock frame."""
         angles = np.linspace(0.0, 2.0 * math.pi, 12, endpoint=False)
-        return self.position(elapsed) + self.radius * np.column_stack([np.cos(angles), np.sin(angles)])
+        return self.position(walked) + self.radius * np.column_stack([np.cos(angles), np.sin(angles)])
