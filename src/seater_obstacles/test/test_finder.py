@@ -111,6 +111,13 @@ def test_what_was_seen_is_remembered_in_the_blind_area_and_forgotten_when_seen_t
     assert not f.update(14.0, scan(ORIGIN, [], narrow), ORIGIN, None).outlines
 
 
+def test_memory_does_not_grow_with_each_sight_of_the_same_room() -> None:
+    """Of two things at one bearing the farther one is in a blind area, though it is seen."""
+    f, world = finder(), [box(2.0, 0.2), disc(2.6, 0.4, 0.3), box(3.6, 0.0, 0.1, 3.0)]
+    counts = [len(f.update(10.0 + i * PERIOD, scan(ORIGIN, world), ORIGIN, None).points) for i in range(40)]
+    assert counts[-1] <= counts[0] + 10
+
+
 def test_nothing_is_remembered_for_ever_nor_across_a_jump_of_time() -> None:
     thing, ahead = [box(0.9, 0.6)], np.array([-1.0, 0.0, 0.0])
     for stamp in (10.0 + ObstacleSettings().track.memory + 0.1, 9.0):

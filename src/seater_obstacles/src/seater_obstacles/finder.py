@@ -48,8 +48,8 @@ class ObstacleFinder:
     def __init__(self, settings: ObstacleSettings, chair: Chair, dock: Dock) -> None:
         self._settings, self._chair = settings, chair
         self._shape = DockShape(dock, settings.sense.dock_margin)
-        self._memory = Memory(settings.track.memory, 2.0 * settings.cluster.cell)
-        self._ways = Memory(settings.track.lost, 2.0 * settings.cluster.cell)  # of moving things
+        self._memory = Memory(settings.track.memory, settings.cluster.cell)
+        self._ways = Memory(settings.track.lost, settings.cluster.cell)  # of moving things
         self._tracks = Tracks(settings.track)
 
     def update(self, stamp: float, sight: Sight, T_odom_base: ArrayLike, T_odom_dock: ArrayLike | None) -> Found:

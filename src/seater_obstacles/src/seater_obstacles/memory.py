@@ -14,9 +14,9 @@ Array = NDArray[np.float64]
 class Memory:
     """Keeps things that stand while they are in a blind area; what is seen again, or seen through, is forgotten."""
 
-    def __init__(self, duration: float, tolerance: float) -> None:
-        """`duration` [s]: for how long at most. `tolerance` [m]: of a measured distance."""
-        self._duration, self._tolerance = duration, tolerance
+    def __init__(self, duration: float, cell: float) -> None:
+        """`duration` [s]: for how long at most. `cell` [m]: side of a cell; a measured distance may be two off."""
+        self._duration, self._cell, self._tolerance = duration, cell, 2.0 * cell
         self._points, self._seen = np.empty((0, 2)), np.empty(0)
 
     def unseen(self, stamp: float, view: View, T_odom_base: ArrayLike) -> Array:
@@ -33,6 +33,8 @@ class Memory:
         self._points, self._seen = self._points[~which], self._seen[~which]
 
     def add(self, stamp: float, points: Array) -> None:
-        """Remember points (n, 2) [m] in odom that are seen now."""
-        self._points = np.vstack([self._points, points])
-        self._seen = np.append(self._seen, np.full(len(points), stamp))
+        """Remember points (n, 2) [m] in odom that are seen now, one in each cell."""
+        points = np.vstack([points, self._points])
+        seen = np.append(np.full(len(points) - len(self._points), stamp), self._seen)
+        _, newest = np.unique(np.floor(points / self._cell), axis=0, return_index=True)  # the first of each cell
+        self._points, self._seen = points[newest], seen[newest]
