@@ -28,6 +28,7 @@ from seater_common.geometry import Chair, Dock
 from seater_eval.perception.images.degraded_camera import RANGES
 from seater_identify.settings import IdentifySettings
 from seater_nmpc.parameters import NmpcParameters
+from seater_obstacles.settings import ObstacleSettings
 from seater_sim.settings import SimulatorSettings
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -142,6 +143,7 @@ def write_page() -> str:
         ("perception.yaml", perception_groups()),
         ("identify.yaml", list(groups_of_dataclass(IdentifySettings, IdentifySettings()))),
         ("safety.yaml", [gate_group()]),
+        ("obstacles.yaml", list(groups_of_dataclass(ObstacleSettings, ObstacleSettings()))),
         ("simulator.yaml", list(groups_of_dataclass(SimulatorSettings, SimulatorSettings()))),
         ("cameras/degraded.yaml", [group_of_comments(config / "cameras" / "degraded.yaml", RANGES)]),
     )

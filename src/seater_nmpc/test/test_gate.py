@@ -17,6 +17,7 @@ CODES = [
     (GateState.EMERGENCY_STOP, ResultCode.EMERGENCY_STOP),
     (GateState.RUNAWAY, ResultCode.RUNAWAY),
     (GateState.WRONG_DIRECTION, ResultCode.WRONG_DIRECTION),
+    (GateState.OBSTACLE, ResultCode.BLOCKED),
     (GateState.STALE, ResultCode.GATE_LOST),
     (GateState.FAULT, ResultCode.GATE_LOST),
 ]
@@ -79,6 +80,23 @@ def test_motors_that_do_not_obey_are_told_to_the_gate(gate: Gate, published: Pub
         gate.release(Result(code=code, text=code.name))
     told = [MotorFault(GateState.RUNAWAY, "RUNAWAY"), MotorFault(GateState.WRONG_DIRECTION, "WRONG_DIRECTION")]
     assert published == told
+
+
+def test_what_is_in_the_way_holds_the_chair(gate: Gate) -> None:
+    assert not gate.holds(10.0)
+    gate.on_state(GateState(state=GateState.OBSTACLE))
+    assert gate.holds(10.0)
+    gate.on_state(GateState(state=GateState.REQUEST))
+    assert not gate.holds(10.0)
+
+
+def test_in_lock_step_the_state_counts_when_it_has_surely_arrived(gate: Gate) -> None:
+    gate._lock_step = True
+    for stamp, state in ((10.0, GateState.OBSTACLE), (10.5, GateState.REQUEST)):
+        message = GateState(state=state)
+        message.header.stamp = module.rospy.Time(stamp)
+        gate.on_state(message)
+    assert [gate.holds(now) for now in (10.1, 10.3, 10.6, 10.8)] == [False, True, True, False]
 
 
 def test_after_the_end_of_the_goal_the_gate_ends_nothing(gate: Gate) -> None:

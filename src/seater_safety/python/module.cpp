@@ -4,6 +4,9 @@
 #include <pybind11/stl.h>
 
 #include <map>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "seater_safety/motion_monitor.h"
 #include "seater_safety/velocity_gate.h"
@@ -50,7 +53,8 @@ void bindGate(py::module_& m) {
       .value("EMERGENCY_STOP", ss::GateState::kEmergencyStop)
       .value("FAULT", ss::GateState::kFault)
       .value("RUNAWAY", ss::GateState::kRunaway)
-      .value("WRONG_DIRECTION", ss::GateState::kWrongDirection);
+      .value("WRONG_DIRECTION", ss::GateState::kWrongDirection)
+      .value("OBSTACLE", ss::GateState::kObstacle);
   py::class_<ss::VelocityGate>(m, "VelocityGate",
                                "The last gate before the motors. Speeds (v [m/s], omega [rad/s]), times [s].")
       .def(py::init([](const py::kwargs& values) {
@@ -76,6 +80,16 @@ void bindGate(py::module_& m) {
             gate.user(now, {v, omega});
           },
           "now"_a, "v"_a, "omega"_a, "The joystick, which has precedence while it is deflected.")
+      .def(
+          "obstacles",
+          [](ss::VelocityGate& gate, double now, double measured, const std::vector<std::pair<double, double>>& points,
+             const std::string& blocked) {
+            std::vector<ss::Point> seen;
+            for (const auto& [x, y] : points) seen.push_back({x, y});
+            gate.obstacles(now, measured, "sensor", seen, blocked);
+          },
+          "now"_a, "measured"_a, "points"_a, "blocked"_a = "",
+          "All that a sensor of obstacles has seen at the time `measured`: (x, y) [m] in base_link.")
       .def("emergency_stop", &ss::VelocityGate::emergencyStop, "now"_a, "pressed"_a)
       .def(
           "output",

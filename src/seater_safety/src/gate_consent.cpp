@@ -20,6 +20,8 @@ std::optional<Refusal> VelocityGate::arm(double now, const std::string& holder) 
   if (!fault_.empty()) return Refusal{fault_state_, fault_};
   if (joystick_.deflected(now)) return Refusal{GateState::kUser, "the joystick is deflected"};
   if (!holds(now)) return Refusal{GateState::kUser, "hold-to-run is not held"};
+  const std::string blind = guard_.blind(now);
+  if (!blind.empty()) return Refusal{GateState::kObstacle, blind};
   if (consent_.held() && !consent_.heldBy(holder)) {
     return Refusal{GateState::kRequest, consent_.holder() + " drives"};
   }
@@ -58,7 +60,9 @@ void VelocityGate::stop(double now, GateState cause, const std::string& reason) 
 }
 
 void VelocityGate::expire(double now) {
+  const std::string blind = guard_.blind(now);
   if (!consent_.held()) return;
+  if (!blind.empty()) return stop(now, GateState::kObstacle, blind);
   if (!holds(now)) return stop(now, GateState::kUser, "hold-to-run was let go");
   const double silence = now - request_time_;
   const bool idle = zero(request_) && unused_.empty();

@@ -26,6 +26,9 @@ std::string range(const GateParameter& parameter) {
 const std::vector<GateParameter>& gateParameters() {
   using P = GateParameters;
   static const std::vector<GateParameter> all = {
+      {"chair", "length_front", &P::length_front, "m", 0.0, 3.0, "footprint ahead of the axle"},
+      {"chair", "length_rear", &P::length_rear, "m", 0.0, 3.0, "footprint behind the axle"},
+      {"chair", "width", &P::width, "m", 0.1, 3.0, "footprint across"},
       {"chair/limits", "v_max", &P::v_max, "m/s", 0.01, 3.0, "largest forward speed"},
       {"chair/limits", "v_reverse_max", &P::v_reverse_max, "m/s", 0.01, 3.0, "largest backward speed"},
       {"chair/limits", "omega_max", &P::omega_max, "rad/s", 0.01, 4.0, "largest turning rate, both ways"},
@@ -55,6 +58,12 @@ const std::vector<GateParameter>& gateParameters() {
       {"safety", "motion_speed", &P::motion_speed, "m/s", 0.02, 0.3, "and beyond that the speed that is a fault"},
       {"safety", "motion_turning", &P::motion_turning, "rad/s", 0.05, 1.0, "the same for turning"},
       {"safety", "motion_time", &P::motion_time, "s", 0.05, 0.5, "how long it has to last"},
+      {"safety", "obstacle_margin", &P::obstacle_margin, "m", 0.0, 0.3,
+       "the footprint keeps so far from what a sensor of obstacles sees"},
+      {"safety", "obstacle_timeout", &P::obstacle_timeout, "s", 0.1, 2.0,
+       "a sensor of obstacles that is silent for so long sees nothing; it stops the docking where it is required"},
+      {"safety", "obstacle_joystick", &P::obstacle_joystick, "", 0.0, 1.0,
+       "1: what it sees slows down and stops the joystick, too; 0: the docking only"},
   };
   return all;
 }
@@ -73,6 +82,7 @@ std::string GateParameters::check() const {
   const auto flag = [](double value) { return value == 0.0 || value == 1.0; };
   if (!flag(emergency_stop_reset)) return wrong("emergency_stop_reset", emergency_stop_reset, "0 or 1");
   if (!flag(hold_to_run)) return wrong("hold_to_run", hold_to_run, "0 or 1");
+  if (!flag(obstacle_joystick)) return wrong("obstacle_joystick", obstacle_joystick, "0 or 1");
   if (request_max_age < request_timeout) return wrong("request_max_age", request_max_age, "at least request_timeout");
   return {};
 }

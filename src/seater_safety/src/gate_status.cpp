@@ -24,6 +24,8 @@ std::string toString(GateState state) {
       return "runaway, motors without power";
     case GateState::kWrongDirection:
       return "wrong direction, motors without power";
+    case GateState::kObstacle:
+      return "obstacle";
   }
   return "unknown";
 }
@@ -32,6 +34,7 @@ std::string VelocityGate::reason(double now) const {
   const std::string emergency_stop = emergency(now);
   if (!emergency_stop.empty()) return emergency_stop;
   if (!fault_.empty()) return fault_;
+  if (!guard_.reason().empty()) return guard_.reason();
   if (joystick_.drives(now)) return "the joystick drives";
   if (joystick_.deflected(now)) return "the joystick has to be let go before it drives";
   if (consent_.held()) return unused_.empty() ? consent_.holder() + " drives" : unused_;

@@ -18,9 +18,10 @@ bool finite(const Velocity& velocity) {
 
 }  // namespace
 
-VelocityGate::VelocityGate(const GateParameters& parameters)
+VelocityGate::VelocityGate(const GateParameters& parameters, const std::vector<std::string>& required)
     : parameters_(parameters),
       joystick_(parameters, 0.0),
+      guard_(parameters, required),
       linear_({parameters.a_max, parameters.a_stop, parameters.jerk_max}),
       angular_({parameters.alpha_max, parameters.alpha_stop, parameters.angular_jerk_max}) {
   const std::string problem = parameters.check();
@@ -37,6 +38,7 @@ void VelocityGate::notice(double now) {
   // What was stored before the jump would stay fresh until the clock is back there.
   joystick_ = Joystick(parameters_, now);
   zone_.forget();
+  guard_.forget();
   held_ = false;
   insisted_ = -1e9;
   pressed_time_ = now;
@@ -117,6 +119,11 @@ void VelocityGate::speedLimit(double from, double limit) {
   if (!zone_.told(from, limit)) ++refused_;
 }
 
+void VelocityGate::obstacles(double from, double measured, const std::string& source, std::vector<Point> points,
+                             const std::string& blocked) {
+  guard_.seen(from, measured, source, std::move(points), blocked);
+}
+
 void VelocityGate::fault(double now, const std::string& reason, GateState cause) {
   notice(now);
   fault_ = reason;
@@ -157,7 +164,8 @@ Velocity VelocityGate::requested(double now) {
   expire(now);
   if (!consent_.held()) {
     const bool refused = moving() && consent_.endedBy() == GateState::kRefused;
-    state_ = refused ? GateState::kRefused : GateState::kStopped;
+    const bool unseen = consent_.endedBy() == GateState::kObstacle && !guard_.blind(now).empty();
+    state_ = refused ? GateState::kRefused : unseen ? GateState::kObstacle : GateState::kStopped;
     return {};
   }
   if (request_seen_ && now - request_time_ <= parameters_.request_timeout) {
@@ -179,7 +187,20 @@ Velocity VelocityGate::output(double now) {
                          std::clamp(asked.angular, -p.omega_max, p.omega_max)};
   if (bounded.linear != asked.linear || bounded.angular != asked.angular) ++limited_;
   last_time_ = std::max(last_time_, now);
-  return {linear_.advance(bounded.linear, step), angular_.advance(bounded.angular, step)};
+  const Velocity free = kept(now, bounded);
+  const Velocity output{linear_.advance(free.linear, step), angular_.advance(free.angular, step)};
+  guard_.sent(now, output);
+  return output;
+}
+
+// Clear of obstacles.
+Velocity VelocityGate::kept(double now, const Velocity& bounded) {
+  const bool watched = state_ != GateState::kUser || parameters_.obstacle_joystick != 0.0;
+  const Velocity free = guard_.limited(now, watched ? bounded : Velocity{});
+  if (!watched) return bounded;
+  if (free.linear != bounded.linear || free.angular != bounded.angular) ++limited_;
+  if (zero(free) && !zero(bounded)) state_ = GateState::kObstacle;
+  return free;
 }
 
 }  // namespace seater_safety

@@ -9,6 +9,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "property_model.h"
 #include "seater_safety/velocity_gate.h"
@@ -50,6 +51,7 @@ class Sequence {
     }
     if (chance(0.7)) parameters_.emergency_stop_timeout = 0.0;
     parameters_.emergency_stop_reset = std::round(parameters_.emergency_stop_reset);
+    parameters_.obstacle_joystick = std::round(parameters_.obstacle_joystick);
     parameters_.hold_to_run = chance(0.2) ? 1.0 : 0.0;
     if (!parameters_.check().empty()) parameters_ = GateParameters{};
     return parameters_;
@@ -67,8 +69,10 @@ class Sequence {
     const double kind = uniform(0.0, 1.0);
     if (kind < 0.55) {
       request(chance(0.97) ? 0 : 1, draw(), chance(0.93) ? uniform(-0.2, 0.1) : uniform(-5000.0, 5000.0));
-    } else if (kind < 0.67) {
+    } else if (kind < 0.66) {
       user(chance(0.6) ? Velocity{uniform(-0.002, 0.002), 0.0} : draw());
+    } else if (kind < 0.68) {
+      see();
     } else if (kind < 0.75) {
       press(chance(0.3));
     } else if (kind < 0.79) {
@@ -140,6 +144,13 @@ class Sequence {
     model_.hold = held;
     model_.hold_at = now_;
     model_.look(now_);
+  }
+
+  // No source is required, and none is blocked: points only ever slow down.
+  void see() {
+    std::vector<Point> points(static_cast<std::size_t>(uniform(0.0, 5.0)));
+    for (Point& point : points) point = {uniform(-2.0, 2.0), uniform(-2.0, 2.0)};
+    gate_.obstacles(now_, now_ - uniform(-0.1, 1.0), chance(0.5) ? "scan" : "depth", points);
   }
 
   void zone(double limit) {

@@ -180,6 +180,24 @@ def test_blocked_in_every_phase(make_world, phase) -> None:
     assert result.retries == 0 and "in the way" in result.text
 
 
+@pytest.mark.parametrize("start", [(-2.5, 0.9, 0.0), (-1.2, 0.0, 0.0)])
+def test_a_chair_that_the_gate_holds_is_not_blocked_and_goes_on(make_world, start) -> None:
+    """Somebody passes: ten seconds are longer than any patience with a chair that does not obey."""
+    world = make_world(start)
+    world.tick()
+    world.sequence.start_dock(world.now)
+    world.run(20.0, until=lambda step: abs(step.command.v) > 0.2)
+    world.moves = lambda world, v, omega: (0.0, 0.0)
+    world.measures = lambda world, odometry: replace(odometry, v=0.0, omega=0.0)
+    world.sequence.held = True
+    phase = world.run(0.05).phase
+    step = world.run(10.0)
+    assert step.result is None and step.phase is phase and step.retries == 0
+    world.moves, world.measures = lambda world, v, omega: (v, omega), lambda world, odometry: odometry
+    world.sequence.held = False
+    assert world.run(30.0).result.success
+
+
 def shifted(way: tuple[float, float, float]):
     T = pose_matrix(np.array(way))
     return lambda world, found: [replace(seen, T_optical_dock=seen.T_optical_dock @ T) for seen in found]

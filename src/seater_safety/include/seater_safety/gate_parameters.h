@@ -7,7 +7,11 @@
 namespace seater_safety {
 
 struct GateParameters {
-  // Of the chair (config/chair.yaml, limits).
+  // Of the chair (config/chair.yaml).
+  double length_front = 0.75;
+  double length_rear = 0.30;
+  double width = 0.65;
+  // Of its limits.
   double v_max = 0.6;
   double v_reverse_max = 0.3;
   double omega_max = 0.8;
@@ -32,6 +36,9 @@ struct GateParameters {
   double motion_speed = 0.06;
   double motion_turning = 0.3;
   double motion_time = 0.15;
+  double obstacle_margin = 0.03;
+  double obstacle_timeout = 0.5;
+  double obstacle_joystick = 1.0;
 
   // Empty when all values can be used; else key and value of the first wrong one and what is allowed.
   std::string check() const;
@@ -39,7 +46,7 @@ struct GateParameters {
 
 // One parameter as it stands in its file; `low` and `high` are allowed themselves.
 struct GateParameter {
-  const char* file;  // "chair/limits" or "safety"
+  const char* file;  // "chair", "chair/limits" or "safety"
   const char* key;
   double GateParameters::*value;
   const char* unit;

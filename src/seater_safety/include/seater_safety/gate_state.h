@@ -17,6 +17,7 @@ enum class GateState : std::uint8_t {
   // The motors do not obey, and have no power:
   kRunaway = 7,         // faster than told
   kWrongDirection = 8,  // the other way than told
+  kObstacle = 9,        // something is in the way, or a sensor of obstacles is silent: zero, with power
 };
 
 std::string toString(GateState state);

@@ -11,11 +11,14 @@
 
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "seater_safety/consent.h"
 #include "seater_safety/gate_parameters.h"
 #include "seater_safety/gate_state.h"
 #include "seater_safety/joystick.h"
+#include "seater_safety/obstacle_guard.h"
 #include "seater_safety/ramp.h"
 #include "seater_safety/speed_zone.h"
 
@@ -33,7 +36,8 @@ struct Refusal {
 class VelocityGate {
  public:
   // Throws std::invalid_argument with the text of GateParameters::check.
-  explicit VelocityGate(const GateParameters& parameters);
+  // `required`: sources of obstacles without which no request passes.
+  explicit VelocityGate(const GateParameters& parameters, const std::vector<std::string>& required = {});
 
   // The time [s] of a request: `now`, or its stamp where that is a little later. Simulated time and a request stamped
   // with it arrive on two connections in either order; with the stamp the output does not depend on the order. A stamp
@@ -60,6 +64,10 @@ class VelocityGate {
   // The largest speed [m/s] where the chair is, both ways and whoever drives, from the time `from` [s] on; see
   // SpeedZone.
   void speedLimit(double from, double limit);
+  // What a sensor of obstacles sees; see ObstacleGuard::seen. It slows down and stops requests, and the joystick where
+  // obstacle_joystick says so. A required source that is silent, or one that sees nothing, ends the consent.
+  void obstacles(double from, double measured, const std::string& source, std::vector<Point> points,
+                 const std::string& blocked = "");
   // Something round the gate is wrong: zero until `reason` is empty again. `cause`: the state that says so.
   void fault(double now, const std::string& reason, GateState cause = GateState::kFault);
   // The same when the motors do not obey: zero at once, and no power for them until somebody drives anew after the end
@@ -98,6 +106,7 @@ class VelocityGate {
   bool insistent(double now) const;
   Velocity wanted(double now);
   Velocity requested(double now);
+  Velocity kept(double now, const Velocity& bounded);
 
   GateParameters parameters_;
   Joystick joystick_;
@@ -117,6 +126,7 @@ class VelocityGate {
   GateState fault_state_ = GateState::kFault;
   bool power_cut_ = false;
   SpeedZone zone_;
+  ObstacleGuard guard_;
   Ramp linear_, angular_;
   double last_time_ = 0.0;
   bool started_ = false;

@@ -2,6 +2,8 @@
 
 #include <XmlRpcValue.h>
 
+#include <iterator>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -41,6 +43,11 @@ GateParameters loadParameters(const ros::NodeHandle& handle) {
     if (key == parameter.key) throw std::invalid_argument(handle.resolveName(parameter.file) + "/" + problem);
   }
   throw std::invalid_argument(problem);
+}
+
+std::vector<std::string> loadSources(const ros::NodeHandle& handle) {
+  std::istringstream words(handle.param<std::string>("obstacle_sources", ""));
+  return {std::istream_iterator<std::string>(words), {}};
 }
 
 }  // namespace seater_safety

@@ -37,7 +37,8 @@ int main(int argc, char** argv) {
   ros::NodeHandle private_handle("~");
   try {
     const seater_safety::GateParameters parameters = seater_safety::loadParameters(private_handle);
-    seater_safety::SafetyGateNode node(parameters, private_handle.param("lock_step", false));
+    seater_safety::SafetyGateNode node(parameters, seater_safety::loadSources(private_handle),
+                                       private_handle.param("lock_step", false));
     while (ros::ok() && !interrupted) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.02));
     node.stop();
     ros::WallDuration(0.1).sleep();

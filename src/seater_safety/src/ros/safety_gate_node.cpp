@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 namespace seater_safety {
 namespace {
@@ -10,7 +11,10 @@ constexpr double kPeriod = 0.02;             // [s] of the output
 constexpr double kSupervisionPeriod = 0.05;  // [s] of motor_enable
 constexpr unsigned kStateEvery = 2;          // supervisions: gate_state at 10 Hz
 constexpr double kZoneDelay = 0.2;           // [s] of simulated time: four control cycles
+constexpr double kSightDelay = 0.25;         // [s] the same of a measurement, which is delivered a little later
 constexpr double kLongestBraking = 1.5;      // [s] before the node ends
+
+constexpr const char* kBaseFrame = "base_link";
 
 Velocity velocityOf(const geometry_msgs::Twist& message) {
   return {message.linear.x, message.angular.z};
@@ -18,8 +22,9 @@ Velocity velocityOf(const geometry_msgs::Twist& message) {
 
 }  // namespace
 
-SafetyGateNode::SafetyGateNode(const GateParameters& parameters, bool lock_step)
-    : clocks_(lock_step), gate_(parameters), motion_(parameters), out_(handle_), neighbours_(handle_) {
+SafetyGateNode::SafetyGateNode(const GateParameters& parameters, const std::vector<std::string>& sources,
+                               bool lock_step)
+    : clocks_(lock_step), gate_(parameters, sources), motion_(parameters), out_(handle_), neighbours_(handle_) {
   const ros::TransportHints prompt = ros::TransportHints().tcpNoDelay();
   request_ = handle_.subscribe("velocity_request", 10, &SafetyGateNode::onRequest, this, prompt);
   user_ = handle_.subscribe("user_cmd_vel", 1, &SafetyGateNode::onUser, this, prompt);
@@ -27,6 +32,7 @@ SafetyGateNode::SafetyGateNode(const GateParameters& parameters, bool lock_step)
   speed_limit_ = handle_.subscribe("speed_limit", 10, &SafetyGateNode::onSpeedLimit, this, prompt);
   hold_ = handle_.subscribe("hold_to_run", 10, &SafetyGateNode::onHold, this, prompt);
   for (const ros::Subscriber& input : {request_, user_, emergency_stop_, speed_limit_, hold_}) neighbours_.watch(input);
+  obstacles_ = handle_.subscribe("obstacle_points", 10, &SafetyGateNode::onObstacles, this, prompt);
   arm_ = handle_.advertiseService("gate_arm", &SafetyGateNode::onArm, this);
   reset_ = handle_.advertiseService("gate_reset", &SafetyGateNode::onReset, this);
   if (lock_step) {
@@ -88,6 +94,19 @@ void SafetyGateNode::onSpeedLimit(const seater_msgs::SpeedLimit& message) {
   gate_.speedLimit(from, message.v_max);
 }
 
+// In lock-step as the speed limit. Another frame than the chair's counts as blocked: nobody knows where the points are.
+void SafetyGateNode::onObstacles(const seater_msgs::ObstaclePoints& message) {
+  const double now = clocks_.now(), stamp = message.header.stamp.toSec();
+  const double from = clocks_.lockStep() ? stamp + kSightDelay : now;
+  const double measured = clocks_.lockStep() ? stamp : now - Clocks::age(message.header.stamp);
+  std::string blocked = message.blocked;
+  if (message.header.frame_id != kBaseFrame) blocked = "its points are in the frame '" + message.header.frame_id + "'";
+  if (message.x.size() != message.y.size()) blocked = "its points have not as many x as y";
+  std::vector<Point> points;
+  for (std::size_t i = 0; blocked.empty() && i < message.x.size(); ++i) points.push_back({message.x[i], message.y[i]});
+  gate_.obstacles(from, measured, message.source, std::move(points), blocked);
+}
+
 // Motors that do not obey are told to brake in vain: they lose their power at once.
 void SafetyGateNode::onOdometry(const nav_msgs::Odometry& message) {
   if (motion_.measured(clocks_.now(), velocityOf(message.twist.twist))) cutPower();
@@ -134,7 +153,8 @@ bool SafetyGateNode::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Res
 // change the ramp between two requests, and with it the run.
 void SafetyGateNode::onLockStepTimer(const ros::TimerEvent&) {
   const double now = clocks_.now();
-  if (gate_.state() == GateState::kRequest && now - last_output_ < 0.1) return;
+  const bool requested = gate_.state() == GateState::kRequest || gate_.state() == GateState::kObstacle;
+  if (requested && now - last_output_ < 0.1) return;
   if (gate_.state() == GateState::kStopped && silent_) return;
   send(now);
   silent_ = gate_.state() == GateState::kStopped;

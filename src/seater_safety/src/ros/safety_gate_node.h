@@ -1,6 +1,7 @@
 // ROS shell of the velocity gate. Topics and service (relative):
 //   in   velocity_request (geometry_msgs/TwistStamped), user_cmd_vel (geometry_msgs/Twist),
 //        emergency_stop and hold_to_run (std_msgs/Bool), speed_limit (seater_msgs/SpeedLimit),
+//        obstacle_points (seater_msgs/ObstaclePoints),
 //        not in lock-step: odom (nav_msgs/Odometry), motor_fault (seater_msgs/MotorFault);
 //        gate_arm (seater_msgs/GateArm): consent for one goal, of the calling node;
 //        gate_reset (std_srvs/Trigger): after an emergency stop
@@ -14,11 +15,14 @@
 #include <ros/ros.h>
 #include <seater_msgs/GateArm.h>
 #include <seater_msgs/MotorFault.h>
+#include <seater_msgs/ObstaclePoints.h>
 #include <seater_msgs/SpeedLimit.h>
 #include <std_msgs/Bool.h>
 #include <std_srvs/Trigger.h>
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "clocks.h"
 #include "master_link.h"
@@ -31,8 +35,8 @@ namespace seater_safety {
 
 class SafetyGateNode {
  public:
-  // Throws std::invalid_argument: see Clocks and VelocityGate.
-  SafetyGateNode(const GateParameters& parameters, bool lock_step);
+  // `sources` of obstacles that are required. Throws std::invalid_argument: see Clocks and VelocityGate.
+  SafetyGateNode(const GateParameters& parameters, const std::vector<std::string>& sources, bool lock_step);
 
   // Brakes and switches the motors off; takes at most kLongestBraking. To be called while ROS still runs.
   void stop();
@@ -45,6 +49,7 @@ class SafetyGateNode {
   void onEmergencyStop(const std_msgs::Bool& message);
   void onHold(const std_msgs::Bool& message);
   void onSpeedLimit(const seater_msgs::SpeedLimit& message);
+  void onObstacles(const seater_msgs::ObstaclePoints& message);
   void onOdometry(const nav_msgs::Odometry& message);
   void onMotorFault(const seater_msgs::MotorFault& message);
   bool onArm(ArmEvent& event);
@@ -68,7 +73,7 @@ class SafetyGateNode {
   Outputs out_;
   Neighbours neighbours_;
   std::unique_ptr<MasterLink> master_;  // in lock-step none: how fast it answers depends on the machine
-  ros::Subscriber request_, user_, emergency_stop_, speed_limit_, hold_, odometry_, motor_fault_;
+  ros::Subscriber request_, user_, emergency_stop_, speed_limit_, hold_, odometry_, motor_fault_, obstacles_;
   ros::ServiceServer arm_, reset_;
   ros::Timer lock_step_timer_;
   ros::SteadyTimer timer_, supervision_;

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -15,6 +16,7 @@ from seater_msgs.srv import GateArm, GateArmResponse
 from seater_nmpc.ros.goal_checks import RefusedError
 from seater_nmpc.sequence.results import Result, ResultCode
 
+SETTLED = 0.2  # [s] of message time: in lock-step the state of so long ago has arrived, whoever is faster
 PATIENCE = 1.0  # [s] of wall time: longest silence of the gate, and longest wait for its answer
 
 CODES = {
@@ -22,6 +24,7 @@ CODES = {
     GateState.EMERGENCY_STOP: ResultCode.EMERGENCY_STOP,
     GateState.RUNAWAY: ResultCode.RUNAWAY,
     GateState.WRONG_DIRECTION: ResultCode.WRONG_DIRECTION,
+    GateState.OBSTACLE: ResultCode.BLOCKED,
 }
 MOTOR_FAULTS = {CODES[state]: state for state in (GateState.RUNAWAY, GateState.WRONG_DIRECTION)}
 
@@ -42,6 +45,7 @@ class Gate:
         simulator waits for the slowest."""
         self._lock_step = lock_step
         self._consent, self._confirmed, self._heard = 0, False, 0.0
+        self._held: deque[tuple[float, bool]] = deque([(0.0, False)], maxlen=100)  # stamp [s], see `holds`
         self._motor_fault = rospy.Publisher("motor_fault", MotorFault, queue_size=10, tcp_nodelay=True)
         self._service = rospy.ServiceProxy("gate_arm", GateArm)
         rospy.Subscriber("gate_state", GateState, lambda m: enqueue("gate", m), queue_size=10, tcp_nodelay=True)
@@ -67,6 +71,7 @@ class Gate:
 
     def on_state(self, message: GateState) -> Loss | None:
         """Whether the consent of this goal has ended with what the gate says."""
+        self._held.append((message.header.stamp.to_sec(), message.state == GateState.OBSTACLE))
         if not self._consent:
             return None
         if message.consent == self._consent:
@@ -75,6 +80,12 @@ class Gate:
         if not self._confirmed:  # sent before the consent was given
             return None
         return Loss(ResultCode.GATE_LOST, "the safety gate was started anew, or another node drives")
+
+    def holds(self, now: float) -> bool:
+        """Whether the gate stops the chair for something in the way, at message time `now` [s]."""
+        if not self._lock_step:
+            return self._held[-1][1]
+        return next((held for stamp, held in reversed(self._held) if stamp <= now - SETTLED), False)
 
     def silence(self) -> Loss | None:
         """Whether the gate has been silent for too long during this goal."""

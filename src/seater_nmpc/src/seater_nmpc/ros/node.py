@@ -136,6 +136,7 @@ class DockingNode:
             command = self._core.shadow.update(now)
             self._report(self._core.vehicle.command(command or Command(v=0.0, omega=0.0)), "SHADOW")
         elif self._core.sequence.active:
+            self._core.sequence.held = self._gate.holds(now)
             self._send(self._core.sequence.update(now, self._contact))
         else:
             if self._zeros > 0:

@@ -69,6 +69,7 @@ class DockingSequence:
             require_contact=require_contact,
         )
         self.active = self._cancelled = False
+        self.held = False  # the safety gate lets nothing pass, as something is in the way: standing is no failure then
 
     def start_dock(
         self, now: float, timeout: float = 0.0, prior: ArrayLike | None = None, prior_radius: float = 1.0
@@ -122,6 +123,8 @@ class DockingSequence:
         if not self.active:
             raise ValueError("no goal is active")
         self._phases.contact = contact
+        if self.held:
+            self._phases.stand_patiently()
         try:
             chair = self._check(now)
             command = STANDING if chair is None else self._phases.command(chair)
@@ -175,8 +178,9 @@ class DockingSequence:
         return f"{text}: {reason}" if reason else text
 
     def _step(self, now: float, command: Command, result: Result | None = None) -> Step:
-        self._controller.history.sent(now, command.v, command.omega)  # some are the sequence's own
-        self._watch.asked(now, command.v, command.omega)
+        sent = STANDING if self.held else command
+        self._controller.history.sent(now, sent.v, sent.omega)  # some are the sequence's own
+        self._watch.asked(now, sent.v, sent.omega)
         phases, estimate = self._phases, self.observer.estimate()
         error, distance = phases.error, -1.0
         if error is not None and phases.phase is Phase.UNDOCKING:

@@ -172,6 +172,10 @@ class Phases:
         if phase in (Phase.WAITING_FOR_DOCK, Phase.VERIFY, Phase.UNDOCKING):
             self._controller.reset()
 
+    def stand_patiently(self) -> None:
+        """Count standing anew."""
+        self._standstill = Standstill(self._parameters, self.now)
+
     def _plan_anew(self) -> None:
         """Plan and count standing anew."""
         self._back_off: Array | None = None  # where the chair backs off to

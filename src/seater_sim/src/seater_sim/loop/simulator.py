@@ -25,9 +25,12 @@ from seater_sim.camera.camera import Camera
 from seater_sim.chair.interface import OdometrySample
 from seater_sim.chair.make import make_plant
 from seater_sim.loop.arrival import Arrivals
-from seater_sim.settings import NANOSECONDS, WHEELCHAIR, SimulatorSettings, to_ns
+from seater_sim.ranging.sensor import RangeSensor
+from seater_sim.ranging.taken import Ranges, SimulatedRange
+from seater_sim.settings import NANOSECONDS, NO_SENSOR, WHEELCHAIR, SimulatorSettings, to_ns
 from seater_sim.world.contact import ChargingContact, CollisionMonitor, Walls
 from seater_sim.world.events import NAN, NAN_CAMERA_INFO, OFF, Event, Schedule, WorldState
+from seater_sim.world.walkers import Walkers
 
 Array = NDArray[np.float64]
 
@@ -42,7 +45,7 @@ class Truth:
     omega: float  # [rad/s]
     contact: bool  # the charging contact is closed
     touching: bool  # runs into a wall or an obstacle
-    collisions: int  # so often it has begun to
+    collisions: int  # so often it has begun to, or to touch somebody who walks
     min_clearance: float  # smallest distance from walls and obstacles of the run so far [m]
 
 
@@ -95,6 +98,7 @@ class Due:
     truth: Truth
     images: list[SimulatedImage]  # delivered now, taken `latency` ago
     events: list[Event]  # that happened at this step
+    ranges: list[SimulatedRange]  # of the sensor of obstacles, as the images
 
 
 class Simulator:
@@ -140,6 +144,12 @@ class Simulator:
         self.camera = camera
         if camera is None and camera_model is not None:
             self.camera = Camera(camera_model, chair.camera, dock, settings.camera, settings.scene, settings.obstacles)
+        sensor = None
+        if settings.ranging.kind != NO_SENSOR:
+            sensor = RangeSensor(settings, chair.camera, dock, camera_model)
+        self.range_sensor = sensor
+        self._ranges = Ranges(sensor, seed, self._start_ns)
+        self._walkers = Walkers(chair, settings.walkers, reach)
         self.world = WorldState(frozenset(marker.id for marker in dock.markers))
         self._schedule = Schedule(list(events))
         self._images_taken = 0
@@ -158,6 +168,11 @@ class Simulator:
         return self._plant.refused
 
     @property
+    def walkers(self) -> Array:
+        """Where those are who walk, (n, 2) [m] in the dock frame."""
+        return self._walkers.positions
+
+    @property
     def truth(self) -> Truth:
         """How things are now."""
         plant, collision = self._plant, self._collision
@@ -168,7 +183,7 @@ class Simulator:
             plant.omega,
             self._contact.closed,
             collision.touching,
-            collision.collisions,
+            collision.collisions + self._walkers.touches,
             collision.smallest,
         )
 
@@ -198,12 +213,14 @@ class Simulator:
         for event in events:
             self.world.apply(event)
         self._contact.update(plant.pose, plant.v, plant.omega)
+        self._walkers.update(plant.pose, elapsed)
         self._take_images(before_ns)
+        ranges = self._ranges.step(self.time_ns, plant.pose, self._walkers.positions)
         tick = plant.time_ns % to_ns(self.settings.odometry.period) == 0
         if tick:
             self._measure_odometry()
         odometry = self._arrivals.receive(self.time_ns)
-        return Due(self.time_ns, tick, odometry, self.truth, self._delivered(), events)
+        return Due(self.time_ns, tick, odometry, self.truth, self._delivered(), events, ranges)
 
     def first_odometry(self) -> OdometrySample:
         """What the wheels say before the first step: where the odometry begins. To be asked at most once."""

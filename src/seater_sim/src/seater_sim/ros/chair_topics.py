@@ -5,14 +5,17 @@ from __future__ import annotations
 import rospy
 import tf2_ros
 from nav_msgs.msg import Odometry
+from sensor_msgs.msg import CameraInfo, Image, LaserScan
 from std_msgs.msg import Bool, UInt32
 
 from seater_common.geometry import CameraMount
 from seater_msgs.msg import ObstacleArray
 from seater_sim.chair.interface import OdometrySample
 from seater_sim.loop.simulator import Truth
+from seater_sim.ranging.sensor import RangeSensor
+from seater_sim.ranging.taken import SimulatedRange
 from seater_sim.ros import messages
-from seater_sim.settings import Obstacle
+from seater_sim.settings import SCAN, Obstacle
 
 
 def publisher(topic: str, kind: type, latch: bool = False) -> rospy.Publisher:
@@ -34,9 +37,12 @@ class ChairTopics:
         self._static = tf2_ros.StaticTransformBroadcaster()
         self._transforms = tf2_ros.TransformBroadcaster()
 
-    def publish_static(self, mount: CameraMount, time_ns: int) -> None:
-        """Where the camera sits, as the other nodes are told."""
-        self._static.sendTransform(messages.camera_transforms(mount, time_ns))
+    def publish_static(self, mount: CameraMount | None, sensor: RangeSensor | None, time_ns: int) -> None:
+        """Where camera and laser scanner sit, as the other nodes are told; None: nothing is told."""
+        transforms = [] if mount is None else messages.camera_transforms(mount, time_ns)
+        if sensor is not None and sensor.kind == SCAN:
+            transforms.append(messages.laser_transform(sensor, time_ns))
+        self._static.sendTransform(transforms)
 
     def publish_odometry(self, sample: OdometrySample) -> None:
         """odom and its transform; the transform first, so that it is there for who acts on odom."""
@@ -62,3 +68,21 @@ class ChairTopics:
         if count > 0:
             rospy.logerr("Collision %d: the chair runs into a wall or an obstacle.", count)
         self._collisions.publish(UInt32(count))
+
+
+class RangeTopics:
+    """What the sensor of obstacles sends; computed only when somebody listens."""
+
+    def __init__(self, kind: str) -> None:
+        """`kind`: scan or depth."""
+        self.output = publisher("scan", LaserScan) if kind == SCAN else publisher("depth/image", Image)
+        self._info = None if kind == SCAN else publisher("depth/camera_info", CameraInfo)
+
+    def publish(self, taken: SimulatedRange) -> bool:
+        """True when somebody listens."""
+        if self._info is not None:
+            self._info.publish(messages.depth_info_message(taken))
+        if self.output.get_num_connections() == 0:
+            return False
+        self.output.publish(messages.range_message(taken))
+        return True

@@ -11,15 +11,17 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Bool
 from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
 
-from seater_msgs.msg import InputDone, MarkerDetectionArray
+from seater_msgs.msg import InputDone, MarkerDetectionArray, ObstaclePoints
 from seater_sim.chair.interface import OdometrySample
 from seater_sim.loop.lockstep import Answers
 from seater_sim.loop.simulator import SimulatedImage, Simulator, Truth
+from seater_sim.ranging.taken import SimulatedRange
 from seater_sim.ros import messages
-from seater_sim.ros.chair_topics import ChairTopics, publisher
+from seater_sim.ros.chair_topics import ChairTopics, RangeTopics, publisher
 from seater_sim.ros.image_topics import ImageTopics
 from seater_sim.ros.options import Options
 from seater_sim.ros.peers import publishers_of, sends_to, subscribers_of
+from seater_sim.settings import NO_SENSOR
 
 
 class Receiver(Protocol):
@@ -46,6 +48,8 @@ class Links:
         self._clock = publisher("/clock", Clock)
         self._chair = ChairTopics(options.simulator.obstacles if options.publish_obstacles else [])
         self._camera = ImageTopics()
+        kind = options.simulator.ranging.kind
+        self._ranges = None if kind == NO_SENSOR else RangeTopics(kind)
         self._answers: Answers[Any] = Answers()
         self._contact_answers = 0
 
@@ -68,6 +72,9 @@ class Links:
         def on_detections(message: rospy.AnyMsg) -> None:
             self._answers.put("detections", _stamp_of(message), True)
 
+        def on_points(message: ObstaclePoints) -> None:
+            self._answers.put("obstacle_points", message.header.stamp.to_nsec(), message)
+
         self._subscribers = {
             "cmd_vel": subscribe("cmd_vel", Twist, on_twist),
             "cmd_vel_stamped": subscribe("cmd_vel_stamped", TwistStamped, on_stamped),
@@ -77,6 +84,8 @@ class Links:
             self._subscribers["input_done"] = subscribe("input_done", InputDone, on_done)
             # Only the stamp is read; listening also wakes perception, which works only when someone listens.
             self._subscribers["detections"] = subscribe("detections", MarkerDetectionArray, on_detections)
+            if self._ranges is not None:
+                self._subscribers["obstacle_points"] = subscribe("obstacle_points", ObstaclePoints, on_points)
         self._services = [
             rospy.Service("~run", SetBool, lambda request: _done(node.on_run, request)),
             rospy.Service("~cover", SetBool, lambda request: _done(node.on_cover, request)),
@@ -90,8 +99,8 @@ class Links:
     # Sending --------------------------------------------------------------------------------------------------------
 
     def publish_static(self, simulator: Simulator) -> None:
-        """Where the camera sits."""
-        self._chair.publish_static(self._options.told_chair.camera, simulator.time_ns)
+        """Where the sensors sit."""
+        self._chair.publish_static(self._options.told_chair.camera, simulator.range_sensor, simulator.time_ns)
 
     def publish_clock(self, time_ns: int) -> None:
         """Simulated time."""
@@ -128,6 +137,10 @@ class Links:
         """Image and camera_info; drawn only when someone listens. True when someone does."""
         return self._camera.publish(image)
 
+    def publish_range(self, taken: SimulatedRange) -> bool:
+        """A scan or depth image. True when someone listens."""
+        return self._ranges is not None and self._ranges.publish(taken)
+
     # Lock-step ------------------------------------------------------------------------------------------------------
 
     def wait_for_odometry_answers(self, stamp_ns: int) -> None:
@@ -145,6 +158,14 @@ class Links:
         found = self._wait("detections", "detections", stamp_ns)
         if found is not None and self._present("input_done"):
             self._wait("input_done/detections", "input_done", stamp_ns)
+
+    def wait_for_range_answers(self, stamp_ns: int) -> None:
+        """The obstacle node's points, then the docking node's input_done about its outlines."""
+        if not self._present("obstacle_points"):
+            return
+        points = self._wait("obstacle_points", "obstacle_points", stamp_ns)
+        if points is not None and not points.blocked and self._present("input_done"):
+            self._wait("input_done/obstacles", "input_done", stamp_ns)
 
     def _present(self, topic: str) -> bool:
         return bool(publishers_of(self._subscribers[topic]))
@@ -181,7 +202,12 @@ class Links:
         told = self._chair.obstacles
         if told is not None and controllers and not controllers & subscribers_of(told):
             return f"{', '.join(sorted(controllers))} does not listen to {rospy.resolve_name('obstacles')}"
-        return _unlinked(detectors, "detections", controllers) or _unlinked(controllers, "velocity_request", gates)
+        links = [(detectors, "detections", controllers), (controllers, "velocity_request", gates)]
+        watchers = nodes.get("obstacle_points", set())
+        if watchers and self._ranges is not None and not watchers & subscribers_of(self._ranges.output):
+            return f"{', '.join(sorted(watchers))} does not listen to {self._ranges.output.resolved_name}"
+        links += [(watchers, "obstacles", controllers), (watchers, "obstacle_points", gates)]
+        return next((lacking for link in links if (lacking := _unlinked(*link))), None)
 
     def close(self) -> None:
         """End all waits."""

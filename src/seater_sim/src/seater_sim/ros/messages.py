@@ -10,7 +10,7 @@ import rospy
 from geometry_msgs.msg import Point32, Polygon, Quaternion, TransformStamped
 from nav_msgs.msg import Odometry
 from numpy.typing import ArrayLike, NDArray
-from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image, LaserScan
 
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import CameraMount, rotation_rpy
@@ -18,9 +18,12 @@ from seater_msgs.msg import ObstacleArray
 from seater_sim.chair.covariance import VARIANCE_FLOOR
 from seater_sim.chair.interface import OdometrySample
 from seater_sim.loop.simulator import SimulatedImage, Truth
-from seater_sim.settings import NANOSECONDS, CameraSettings, Obstacle
+from seater_sim.ranging.sensor import RangeSensor
+from seater_sim.ranging.taken import SimulatedRange
+from seater_sim.settings import NANOSECONDS, SCAN, CameraSettings, Obstacle
 
 OPTICAL_FRAME = "camera_color_optical_frame"
+LASER_FRAME = "laser"
 
 
 def stamp(time_ns: int) -> rospy.Time:
@@ -140,4 +143,44 @@ def compressed_message(image: SimulatedImage, pixels: NDArray[np.generic], setti
         options = [cv2.IMWRITE_JPEG_QUALITY, settings.jpeg_quality] if jpeg else [cv2.IMWRITE_PNG_COMPRESSION, 1]
         bgr = pixels[:, :, ::-1] if pixels.ndim == 3 else pixels
         message.data = cv2.imencode(".jpg" if jpeg else ".png", bgr, options)[1].tobytes()
+    return message
+
+
+def laser_transform(sensor: RangeSensor, time_ns: int) -> TransformStamped:
+    """base_link -> laser."""
+    transform = TransformStamped(child_frame_id=LASER_FRAME)
+    transform.header.frame_id, transform.header.stamp = "base_link", stamp(time_ns)
+    t = transform.transform.translation
+    t.x, t.y, t.z = sensor.T_base_sensor[:3, 3].tolist()
+    transform.transform.rotation = _quaternion(sensor.T_base_sensor[:3, :3])
+    return transform
+
+
+def range_message(taken: SimulatedRange) -> LaserScan | Image:
+    """A scan in the frame of the laser, or a depth image (32FC1) in the optical frame."""
+    values, sensor = taken.measure(), taken.sensor
+    if sensor.kind == SCAN:
+        scan = sensor.settings.scan
+        first, last = float(sensor.angles[0]), float(sensor.angles[-1])
+        message = LaserScan(
+            angle_min=first, angle_max=last, angle_increment=scan.step, scan_time=sensor.settings.period
+        )
+        message.range_min, message.range_max, message.ranges = scan.min_range, scan.max_range, values.tolist()
+        message.header.frame_id = LASER_FRAME
+    else:
+        rows, columns = values.shape
+        message = Image(height=rows, width=columns, encoding="32FC1", is_bigendian=0, step=4 * columns)
+        message.data = values.astype("<f4").tobytes()
+        message.header.frame_id = OPTICAL_FRAME
+    message.header.stamp = stamp(taken.stamp_ns)
+    return message
+
+
+def depth_info_message(taken: SimulatedRange) -> CameraInfo:
+    """Of a depth image, which is rectified."""
+    depth, K = taken.sensor.settings.depth, taken.sensor.K
+    message = CameraInfo(height=depth.rows, width=depth.columns, distortion_model="plumb_bob", D=[0.0] * 5)
+    message.header.stamp, message.header.frame_id = stamp(taken.stamp_ns), OPTICAL_FRAME
+    message.K, message.R = K.reshape(-1).tolist(), np.eye(3).reshape(-1).tolist()
+    message.P = np.hstack([K, np.zeros((3, 1))]).reshape(-1).tolist()
     return message

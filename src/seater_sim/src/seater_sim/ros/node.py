@@ -138,6 +138,9 @@ class SimNode:
         self._publish_state(due)
         for image in due.images:
             self._publish_image(image)
+        for taken in due.ranges:
+            if self._links.publish_range(taken) and self._options.lock_step:
+                self._links.wait_for_range_answers(taken.stamp_ns)
 
     def _publish_state(self, due: Due) -> None:
         if due.tick:

@@ -10,10 +10,11 @@ import rospy
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError, load, param
-from seater_sim.settings import Obstacle, PlanarPose, SimulatorSettings
+from seater_sim.settings import Obstacle, PlanarPose, SimulatorSettings, Walker
 from seater_sim.world.events import Event, load_events
 
 PARTICIPANTS = ("detections", "input_done", "cmd_vel_stamped")
+WITH_OBSTACLES = (*PARTICIPANTS, "obstacle_points")
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,7 @@ class CommonSettings:
     start: PlanarPose = field(default_factory=PlanarPose)
     publish_obstacles: bool = param(True, "", "tell the docking node what stands in the way, on `obstacles`")
     obstacles: list[Obstacle] = field(default_factory=list)  # of this run, beside those of the simulator's file
+    walkers: list[Walker] = field(default_factory=list)  # the same
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,10 @@ class RunSettings(CommonSettings):
     lock_step: bool = param(True, "", "wait for the answers of perception and controller")
     rate: float = param(0.0, "", "limit of simulated over wall time; 0: none", low=0.0, high=1000.0)
     participants: list[str] = param(
-        list(PARTICIPANTS), "", "topics whose publishers must be connected before the first step", choices=PARTICIPANTS
+        list(PARTICIPANTS),
+        "",
+        "topics whose publishers must be connected before the first step",
+        choices=WITH_OBSTACLES,
     )
     answer_timeout: float = param(20.0, "s", "wall time after which a missing answer is given up", low=0.1, high=3600.0)
 
@@ -68,6 +73,7 @@ OPTIONAL: dict[str, Any] = {
     "answer_timeout": 20.0,
     "publish_obstacles": True,
     "obstacles": [],
+    "walkers": [],
 }
 
 
@@ -101,7 +107,11 @@ def _load(kind: type[CommonSettings]) -> tuple[dict[str, Any], dict[str, Any]]:
         "dock": load(Dock, _required("dock"), f"{prefix}/dock"),
         "chair": chair,
         "told_chair": load(Chair, given["told_chair"], f"{prefix}/told_chair") if "told_chair" in given else chair,
-        "simulator": replace(simulator, obstacles=[*simulator.obstacles, *run.obstacles]),
+        "simulator": replace(
+            simulator,
+            obstacles=[*simulator.obstacles, *run.obstacles],
+            walkers=[*simulator.walkers, *run.walkers],
+        ),
         "camera": CameraModel.from_mapping(_required("camera"), f"{prefix}/camera"),
     }
 

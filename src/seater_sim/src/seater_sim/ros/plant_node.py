@@ -15,12 +15,12 @@ from std_msgs.msg import Bool
 from seater_sim.faults.plant import OdometryFault, PlantFault
 from seater_sim.loop.motor_enable import MotorEnable
 from seater_sim.loop.simulator import Due, Simulator
-from seater_sim.ros.chair_topics import ChairTopics
+from seater_sim.ros.chair_topics import ChairTopics, RangeTopics
 from seater_sim.ros.fault_service import offer_faults
 from seater_sim.ros.free_clock import WallClock
 from seater_sim.ros.options import FreeOptions
 from seater_sim.ros.program import run_free
-from seater_sim.settings import NANOSECONDS, to_ns
+from seater_sim.settings import NANOSECONDS, NO_SENSOR, to_ns
 
 _LATE = 0.1  # [s] behind the clock, from which on the run says nothing about a chair
 _REPORT = 10.0  # [s] between two lines about it
@@ -46,6 +46,9 @@ class PlantNode:
         self._collisions = -1
         self._topics = ChairTopics(settings.obstacles if options.publish_obstacles else [])
         self._topics.publish_obstacles(self._simulator.time_ns)
+        kind = settings.ranging.kind
+        self._ranges = None if kind == NO_SENSOR else RangeTopics(kind)
+        self._topics.publish_static(None, self._simulator.range_sensor, self._simulator.time_ns)
         self._updater = Updater()
         self._updater.setHardwareID("simulated chair")
         self._updater.add("clock", self._diagnose)
@@ -97,6 +100,9 @@ class PlantNode:
         if due.truth.collisions != self._collisions:
             self._collisions = due.truth.collisions
             self._topics.publish_collisions(self._collisions)
+        for taken in due.ranges:
+            assert self._ranges is not None  # there is a sensor
+            self._ranges.publish(taken)
         sample = None if due.odometry is None else self._odometry_fault.apply(due.odometry)
         if sample is not None:
             self._topics.publish_odometry(sample)

@@ -1,6 +1,15 @@
 """Everything a person tunes about the simulation (config/simulator.yaml), one dataclass per part."""
 
 from seater_sim.settings.plant import KINEMATIC, PLANTS, WHEELCHAIR, KinematicSettings, PlantSettings
+from seater_sim.settings.ranging import (
+    DEPTH,
+    NO_SENSOR,
+    SCAN,
+    DepthSettings,
+    RangingSettings,
+    ScanSettings,
+    Walker,
+)
 from seater_sim.settings.simulator import (
     CameraSettings,
     ContactSettings,
@@ -23,14 +32,18 @@ from seater_sim.settings.wheelchair import (
 )
 
 __all__ = [
+    "DEPTH",
     "KINEMATIC",
     "NANOSECONDS",
+    "NO_SENSOR",
     "PLANTS",
+    "SCAN",
     "WHEELCHAIR",
     "CameraSettings",
     "CastorSettings",
     "CommandSettings",
     "ContactSettings",
+    "DepthSettings",
     "FloorSettings",
     "KinematicSettings",
     "MotorSettings",
@@ -38,8 +51,11 @@ __all__ = [
     "OdometrySettings",
     "PlanarPose",
     "PlantSettings",
+    "RangingSettings",
+    "ScanSettings",
     "SceneSettings",
     "SimulatorSettings",
+    "Walker",
     "WheelOdometrySettings",
     "WheelSettings",
     "WheelchairSettings",

@@ -9,6 +9,7 @@ import numpy as np
 
 from seater_common.params import param
 from seater_sim.settings.plant import PlantSettings
+from seater_sim.settings.ranging import NO_SENSOR, RangingSettings, Walker
 from seater_sim.settings.time import to_ns
 
 
@@ -103,8 +104,13 @@ class SimulatorSettings:
     camera: CameraSettings = field(default_factory=CameraSettings)
     scene: SceneSettings = field(default_factory=SceneSettings)
     contact: ContactSettings = field(default_factory=ContactSettings)
+    ranging: RangingSettings = field(default_factory=RangingSettings)
     obstacles: list[Obstacle] = field(default_factory=list)
+    walkers: list[Walker] = field(default_factory=list)
 
     def __post_init__(self) -> None:
+        if self.ranging.kind != NO_SENSOR and to_ns(self.ranging.period) % to_ns(self.odometry.period):
+            allowed = f"a multiple of odometry/period ({self.odometry.period} s)"
+            raise ValueError(f"ranging/period: is {self.ranging.period}, must be {allowed}")
         if to_ns(self.odometry.period) % to_ns(self.step):
             raise ValueError(f"odometry/period: is {self.odometry.period}, must be a multiple of step ({self.step} s)")

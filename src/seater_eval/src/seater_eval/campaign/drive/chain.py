@@ -21,6 +21,7 @@ from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 Image = NDArray[np.uint8]
 
 _GATE = seater_safety.describe_parameters()
+_FOOTPRINT = [entry["key"] for entry in _GATE if entry["file"] == "chair"]
 _LIMITS = [entry["key"] for entry in _GATE if entry["file"] == "chair/limits"]  # of the chair that the gate knows
 _SAFETY = [entry["key"] for entry in _GATE if entry["file"] == "safety"]  # keys of config/safety.yaml
 
@@ -69,6 +70,7 @@ class Gate:
             raise ParameterError(f"safety/{missing[0]}: is {safety.get(missing[0])!r}, must be a number")
         values = {key: float(value) for key, value in safety.items()}
         values |= {key: getattr(chair.limits, key) for key in _LIMITS}
+        values |= {key: getattr(chair, key) for key in _FOOTPRINT}
         try:
             self._gate = seater_safety.VelocityGate(**values)
         except ValueError as error:

@@ -1,0 +1,1 @@
+"""Dockings among things that nobody told, without ROS and without images."""

@@ -1,0 +1,63 @@
+"""The three kinds of sensor: subscribes, and makes sights of their messages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import rospy
+from numpy.typing import NDArray
+from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2
+
+from seater_obstacles.depth import DepthImages, cloud_sight
+from seater_obstacles.ros import messages
+from seater_obstacles.scan import scan_sight
+from seater_obstacles.settings import SenseSettings
+from seater_obstacles.sight import Sight
+
+Array = NDArray[np.float64]
+
+SOURCES = ("scan", "cloud", "depth")
+TOPICS = {"scan": ("scan", LaserScan), "cloud": ("points", PointCloud2), "depth": ("depth/image", Image)}
+
+
+class Source:
+    """One sensor. `sight` turns a message into what it says, in base_link."""
+
+    def __init__(self, kind: str, settings: SenseSettings, queue_size: int) -> None:
+        """`kind`: one of SOURCES. `queue_size`: 1, or more where no message may be lost."""
+        self.kind, self._settings, self._queue_size = kind, settings, queue_size
+        self._depth = DepthImages(settings.stride)
+        self._K: Array | None = None
+        self._makers: dict[str, Callable[[Any, Array], Sight]] = {
+            "scan": self._of_scan,
+            "cloud": lambda m, T: cloud_sight(messages.cloud_points(m), T, settings),
+            "depth": self._of_depth,
+        }
+
+    def subscribe(self, callback: Callable[[Any], None]) -> None:
+        """From now on."""
+        if self.kind == "depth":
+            rospy.Subscriber("depth/camera_info", CameraInfo, self._on_info, queue_size=1)
+        topic, message = TOPICS[self.kind]
+        buffer = 2**24 if self.kind != "scan" else 2**16  # so that an old image does not wait in it
+        rospy.Subscriber(topic, message, callback, queue_size=self._queue_size, buff_size=buffer, tcp_nodelay=True)
+
+    def sight(self, message: Any, T_base_sensor: Array) -> Sight:
+        """Raises ValueError: the message cannot be used, with the reason."""
+        return self._makers[self.kind](message, T_base_sensor)
+
+    def _of_scan(self, m: LaserScan, T: Array) -> Sight:
+        limits = (m.range_min, m.range_max)
+        return scan_sight(m.ranges, m.angle_min, m.angle_increment, limits, T, self._settings.max_range)
+
+    def _of_depth(self, m: Image, T: Array) -> Sight:
+        if self._K is None:
+            raise ValueError("no camera_info of the depth image yet")
+        return cloud_sight(self._depth.cloud(messages.depth_pixels(m), self._K), T, self._settings)
+
+    def _on_info(self, message: CameraInfo) -> None:
+        """Rectified images: the left part of P; without one, K."""
+        P = np.array(message.P).reshape(3, 4)[:, :3]
+        self._K = P if P[0, 0] > 0.0 else np.array(message.K).reshape(3, 3)

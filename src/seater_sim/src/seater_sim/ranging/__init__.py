@@ -1,0 +1,1 @@
+"""Laser scan and depth image of the world, for the obstacle node."""
