@@ -120,6 +120,9 @@ void BranchFit::start(const PhotometricProblem& problem) {
   state.brightness = problem.initialBrightness(state);
   const double noise = problem.flatNoise();
   scale_ = noise > 0.0 ? kLargestScale * std::max(kQuantisation, noise) : kUnknownNoise;
+  if (!whole_) return;
+  scale_ = std::max(smallestScale(), contrast());  // nothing is left out, even where the fit begins beside the minimum
+  scale_guessed_ = true;
 }
 
 void BranchFit::start(const PhotometricProblem& problem, const Brightness& known, const BranchFit* other) {

@@ -82,6 +82,7 @@ std::vector<PoseHypothesis> MarkerFits::fit(PhotometricRefiner& by, double psf_s
 
 std::vector<PoseHypothesis> MarkerFits::fitWhole(PhotometricRefiner& by) {
   if (!wholePrint(marker_.image)) return {};
+  // Not that of the edges: from the very sharp ones of aliased images, fits often do not converge.
   const double psf_sd = psf_sd_ > 0.0 ? psf_sd_ : by.parameters().psf_sd;
   return fitFrom(by, openPoses(marker_), {psf_sd, std::nullopt, true});
 }
@@ -118,14 +119,23 @@ double MarkerFits::smallestExplained() const {
 /// [grey levels] of flat pixels of the print, or what its surroundings show, where that is less or the print has
 /// none. A shadow's edge makes flat pixels uneven too, and is no fault of the model.
 double MarkerFits::noiseBeside(const PhotometricResult& result) {
+  const bool clipped = std::max(result.clipped_low, result.clipped_high) > kClipped;  // and with it its noise
+  if (result.flat_noise > 0.0 && marker_.image.shadow) return result.flat_noise;
+  return result.flat_noise > 0.0 && !clipped ? std::min(result.flat_noise, noiseRound()) : noiseRound();
+}
+
+bool MarkerFits::unlikeModel(double misfit) {
+  if (!wholePrint(marker_.image)) return false;
+  return !marker_.image.edges_fitted || marker_.image.edge_residual > misfit * noiseRound();
+}
+
+double MarkerFits::noiseRound() {
   if (!(beside_ > 0.0)) {
     const Eigen::AlignedBox2d box = boundingBox(marker_.image.corners);
     const Eigen::Vector2d margin = kBeside * box.sizes();
     beside_ = std::max(kLeastNoise, whiteNoise(context_.grey, {box.min() - margin, box.max() + margin}));
   }
-  const bool clipped = std::max(result.clipped_low, result.clipped_high) > kClipped;  // and with it its noise
-  if (result.flat_noise > 0.0 && marker_.image.shadow) return result.flat_noise;
-  return result.flat_noise > 0.0 && !clipped ? std::min(result.flat_noise, beside_) : beside_;
+  return beside_;
 }
 
 double MarkerFits::doubt() const {

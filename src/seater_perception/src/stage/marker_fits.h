@@ -17,8 +17,12 @@ class MarkerFits {
   /// `psf_sd` as of PhotometricStart.
   std::vector<PoseHypothesis> fit(PhotometricRefiner& by, double psf_sd);
 
-  /// Once more, from the same poses, all residuals counted; nothing where something may cover the print.
+  /// From all poses that the corners leave open, all residuals counted; nothing where something may cover the print.
   std::vector<PoseHypothesis> fitWhole(PhotometricRefiner& by);
+
+  /// Whether the edges of a whole print are already worse than that (residuals about their own steps over the noise
+  /// round the marker), or could not be fitted.
+  bool unlikeModel(double misfit);
 
   int cells() const { return cells_; }
   /// Of the best one of the last fits: residuals at edges over the noise of flat pixels, and the standard
@@ -37,6 +41,7 @@ class MarkerFits {
                                       const PhotometricStart& start);
   void compareWithNoise(const PhotometricResult& result);
   double smallestExplained() const;
+  double noiseRound();
   double noiseBeside(const PhotometricResult& result);
 
   const PhotometricContext& context_;

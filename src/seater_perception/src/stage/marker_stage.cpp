@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "seater_perception/dock_layout.h"
 #include "stage/fitted_hypotheses.h"
@@ -72,28 +73,50 @@ bool outlineDecides(const MarkerCorners& marker, double residual) {
   return !(residual > 0.0) || marker.edge_residual < kClean * residual;
 }
 
+struct Fitted {
+  std::vector<PoseHypothesis> hypotheses;
+  bool whole = false;  ///< of all residuals
+};
+
+/// Where the edges already show that the camera is not as modelled, the print as a whole at once; else after a fit that
+/// leaves outliers out.
+Fitted fitted(const PhotometricContext& context, const MarkerEstimate& marker, bool tracked, MarkerFits& fits) {
+  const bool unlike = !tracked && fits.unlikeModel(kMisfit);
+  Fitted result;
+  if (unlike) result.hypotheses = fits.fitWhole(context.refiner);
+  result.whole = !result.hypotheses.empty() && fits.misfit() > kMisfit;
+  if (result.whole) return result;
+  const double psf_sd = marker.image.edges_fitted || tracked ? marker.image.psf_sd : 0.0;
+  result.hypotheses = fits.fit(context.refiner, psf_sd);
+  if (tracked || unlike || !(result.hypotheses.empty() || fits.misfit() > kMisfit)) return result;
+  auto whole = fits.fitWhole(context.refiner);
+  result.whole = !whole.empty();
+  if (result.whole) result.hypotheses = std::move(whole);
+  return result;
+}
+
+/// Where nothing has converged yet.
+std::vector<PoseHypothesis> fittedCarefully(const PhotometricContext& context, const MarkerEstimate& marker,
+                                            MarkerFits& fits) {
+  const double psf_sd = marker.image.edges_fitted ? marker.image.psf_sd : 0.0;
+  std::vector<PoseHypothesis> hypotheses;
+  if (psf_sd > 0.0) hypotheses = fits.fit(context.refiner, 0.0);
+  if (!hypotheses.empty() || marker.image.side() <= kLargeMarker) return hypotheses;
+  // The quiet zone may be darker than the print's white (cut close and pasted on a wall): the print alone, then.
+  PhotometricParameters print_only = context.refiner.parameters();
+  print_only.quiet_zone = 0.0;
+  PhotometricRefiner refiner(print_only);
+  return fits.fit(refiner, psf_sd);
+}
+
 }  // namespace
 
 RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& prior, const MarkerEstimate& marker,
                            bool tracked) {
   MarkerFits fits(context, marker, tracked);
-  const double psf_sd = marker.image.edges_fitted || tracked ? marker.image.psf_sd : 0.0;
-  auto hypotheses = fits.fit(context.refiner, psf_sd);
+  auto [hypotheses, whole] = fitted(context, marker, tracked, fits);
   if (tracked && (hypotheses.empty() || fits.misfit() > kMisfit)) return {MarkerOutcome::doubtful, marker, true};
-  bool whole = false;
-  if (hypotheses.empty() || fits.misfit() > kMisfit) {
-    const auto fitted = fits.fitWhole(context.refiner);
-    whole = !fitted.empty();
-    if (whole) hypotheses = fitted;
-  }
-  if (hypotheses.empty() && psf_sd > 0.0) hypotheses = fits.fit(context.refiner, 0.0);
-  if (hypotheses.empty() && marker.image.side() > kLargeMarker) {
-    // The quiet zone may be darker than the print's white (cut close and pasted on a wall): the print alone, then.
-    PhotometricParameters print_only = context.refiner.parameters();
-    print_only.quiet_zone = 0.0;
-    PhotometricRefiner refiner(print_only);
-    hypotheses = fits.fit(refiner, psf_sd);
-  }
+  if (hypotheses.empty()) hypotheses = fittedCarefully(context, marker, fits);
   RefinedMarker refined{MarkerOutcome::corners_kept, marker, fits.modelSigma() > 0.0};
   // Of fits that failed, residuals say little, but corners are not as far off as any part of a cell.
   const double coarse = context.pose.corner_sigma_coarse;
