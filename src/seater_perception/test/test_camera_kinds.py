@@ -117,7 +117,7 @@ def corner_errors(kind: str, sides: tuple[float, ...], shift: float = 0.0) -> li
 
 # Median and 99 % of the outer edges alone: 0.148 and 1.05, 0.75 and 1.23 px.
 @pytest.mark.parametrize(
-    ("kind", "shift", "median", "most"), [("aliased", 0.0, 0.14, 0.9), ("overexposed", 0.1, 0.3, 0.7)]
+    ("kind", "shift", "median", "most"), [("aliased", 0.0, 0.14, 1.2), ("overexposed", 0.1, 0.3, 0.7)]
 )
 def test_all_cells_tell_where_the_corners_are(kind: str, shift: float, median: float, most: float) -> None:
     """However little the camera is like the model: a print that nothing covers is fitted as a whole."""
