@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -14,8 +15,9 @@ from seater_common.params import ParameterError
 from seater_eval.perception.images.scenes import normal_error
 from seater_eval.photographs.board import board_of, leave_one_out
 from seater_eval.photographs.detectors import Found
-from seater_eval.photographs.measures import errors_on_board, match
+from seater_eval.photographs.measures import MarkerErrors, errors_on_board, match
 from seater_eval.photographs.report import photograph_bars
+from seater_eval.photographs.rows import shared_with
 from seater_eval.photographs.truth import KnownMarker, Photograph, load_folders
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -121,6 +123,15 @@ def test_normalised_errors_are_those_of_the_covariance() -> None:
     assert np.mean(of_corners) == pytest.approx(2.0, rel=0.15)
 
 
+def marker_errors(i: int) -> MarkerErrors:
+    """Of marker i where it is."""
+    exact = {k: Found(id=k, corners=corners(k)) for k in CENTERS}
+    board = board_of(CENTERS, [(photograph(), {k: f.corners for k, f in exact.items()})], SIDE)
+    assert board is not None
+    (error,) = [e for e in errors_on_board(board, photograph(), exact) if e.id == i]
+    return error
+
+
 def test_shrunk_markers_show_as_inwards() -> None:
     found = {i: Found(id=i, corners=corners(i)) for i in CENTERS}
     found[4] = Found(id=4, corners=0.98 * corners(4) + 0.02 * corners(4).mean(axis=0))
@@ -162,6 +173,38 @@ def test_bars_count_all_markers_and_name_the_worst_folder() -> None:
     assert bars["recall behind OpenCV's, worst folder"].value == pytest.approx(0.01)
     assert not bars["recall behind OpenCV's, worst folder"].met
     assert not bars["wrong branch called certain"].met  # nothing was measured
+
+
+def test_corners_are_compared_on_shared_markers() -> None:
+    """Ours are 0.3 px off on marker 1, the peer's 0.2; marker 2 has only ours, 3 px off."""
+
+    def errors(lengths: dict[int, float]) -> dict:
+        return {("00.png", i): replace(marker_errors(i), corners=(e,) * 4) for i, e in lengths.items()}
+
+    shared = shared_with(errors({1: 0.2}), errors({1: 0.3, 2: 3.0}))
+    assert shared["markers"] == 1
+    assert (shared["ours"]["median"], shared["theirs"]["median"]) == pytest.approx((0.3, 0.2))
+
+
+def test_bars_beside_peers_take_the_best_one() -> None:
+    def row(detector: str, milliseconds: float, shared: dict) -> dict:
+        counts = {"markers": 100, "found": 99, "false": 0, "certain": 0, "wrong_and_certain": 0, "on_board": 99}
+        spread = {"median": 0.3, "p99": 0.9, "mean": 6.0}
+        errors = {"corner_px": spread, "nees": spread, "shared": shared, "milliseconds": {"median": milliseconds}}
+        return {"folder": "a", "detector": detector, **counts, **errors}
+
+    def beside(markers: int, median: float, p99: float) -> dict:
+        ours = {"median": 0.3, "p99": 0.9}
+        return {"markers": markers, "ours": ours, "theirs": {"median": median, "p99": p99}}
+
+    rows = [row("seater", 9.0, {}), row("opencv_default", 11.0, {}), row("opencv_none", 10.0, {})]
+    rows += [row("locus", 1.0, beside(50, 0.25, 3.0)), row("rapidtag", 1.0, beside(50, 0.6, 1.0))]
+    rows += [row("opencv5", 1.0, beside(3, 0.01, 0.01))]  # too few markers to tell
+    bars = {bar.name: bar for bar in photograph_bars({"rows": rows})}
+    median, p99 = (bars[f"a: corner error, {m} / best peer's"] for m in ("median", "p99"))
+    assert (median.value, median.note) == (pytest.approx(1.2), "locus")
+    assert (p99.value, p99.note) == (pytest.approx(0.9), "rapidtag")
+    assert bars["a: time / plain OpenCV's"].value == pytest.approx(0.9)
 
 
 def test_command_on_a_drawn_photograph(tmp_path: Path) -> None:

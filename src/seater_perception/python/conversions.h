@@ -40,8 +40,9 @@ class OneAtATime {
 /// The image without a copy: (height, width) of uint8 or uint16, C-contiguous; TypeError otherwise. Valid as long as
 /// the array lives.
 inline cv::Mat asMat(const py::array& array) {
-  const bool bytes = array.dtype().is(py::dtype::of<std::uint8_t>());
-  if (!bytes && !array.dtype().is(py::dtype::of<std::uint16_t>())) {
+  // Equivalent, not identical: an array that came out of another process has a dtype object of its own.
+  const bool bytes = py::isinstance<py::array_t<std::uint8_t>>(array);
+  if (!bytes && !py::isinstance<py::array_t<std::uint16_t>>(array)) {
     throw py::type_error("image: dtype must be uint8 or uint16");
   }
   if (array.ndim() != 2 || !(array.flags() & py::array::c_style)) {

@@ -1,5 +1,6 @@
 """The Python binding: what goes in comes out, wrong input is refused, other threads run meanwhile."""
 
+import pickle
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -97,6 +98,14 @@ def test_wrong_parameter_is_named(value: object) -> None:
     parameters["detector"]["min_side"] = value
     with pytest.raises(sp.ConfigurationError, match="perception/detector/min_side"):
         sp.DockDetector(camera(), sp.layout_of_equal_markers("DICT_4X4_50", 0.1), parameters)
+
+
+def test_images_of_another_process_are_taken() -> None:
+    """What was pickled has a dtype object of its own."""
+    detector = sp.DockDetector(camera(), sp.layout_of_equal_markers("DICT_4X4_50", 0.1), sp.default_parameters())
+    image = pickle.loads(pickle.dumps(marker_image()))
+    assert image.dtype is not marker_image().dtype
+    assert [m.id for m in detector.detect(image).markers] == [3]
 
 
 def test_wrong_images_are_refused() -> None:

@@ -56,6 +56,9 @@ struct PhotometricStart {
   /// Of one marker, from other sources; then every initial pose is believed to be near a minimum, and none is given up
   /// at a first look.
   std::optional<Brightness> brightness;
+  /// Nothing covers the prints: however large residuals are at edges, the camera has made them, and all count. Else
+  /// those that are far above the noise are forgotten.
+  bool whole = false;
 };
 
 /// Fits the pose of printed markers to the grey levels of an image: every pixel near a cell border is compared with

@@ -79,7 +79,7 @@ BranchFit::Descent BranchFit::descend(const PhotometricProblem& problem, const G
       scale_guessed_ = false;
       // With a scale that goes on changing, outliers near its limit could keep the fit from ever ending.
       if (++accepted < kSettled)
-        scale_ = std::clamp(descent.last->spread(0.5), smallestScale(), std::max(smallestScale(), largest_scale_));
+        scale_ = std::clamp(scaleOf(*descent.last), smallestScale(), std::max(smallestScale(), largest_scale_));
       continue;
     }
     damping = std::max(1e-3, 10.0 * damping);
@@ -120,6 +120,9 @@ void BranchFit::start(const PhotometricProblem& problem) {
   state.brightness = problem.initialBrightness(state);
   const double noise = problem.flatNoise();
   scale_ = noise > 0.0 ? kLargestScale * std::max(kQuantisation, noise) : kUnknownNoise;
+  if (!whole_) return;
+  scale_ = std::max(smallestScale(), contrast());  // nothing is left out, even where the fit begins beside the minimum
+  scale_guessed_ = true;
 }
 
 void BranchFit::start(const PhotometricProblem& problem, const Brightness& known, const BranchFit* other) {
@@ -147,11 +150,19 @@ double BranchFit::smallestScale() const {
   return std::max(kQuantisation, kSmallestModelError * contrast());
 }
 
+/// [grey levels] Of the median, which does not see what covers a part of a print; of the mean where nothing does.
+double BranchFit::scaleOf(const Evaluation& last) const {
+  if (!whole_) return last.spread(0.5);
+  const LossSums sums = last.loss(weighing(RobustLoss::tukey, parameters_->tukey));
+  return std::sqrt(sums.squares / std::max(1.0, sums.all));
+}
+
 /// A fit that is caught aside sees large residuals at all edges; they must not pass for noise.
 void BranchFit::boundScale(const PhotometricProblem& problem) {
   const double noise = problem.flatNoise();
   largest_scale_ = kWildScale;
-  if (noise > 0.0) largest_scale_ = kLargestScale * std::max(kQuantisation, noise) + kModelError * contrast();
+  if (noise > 0.0 && !whole_)
+    largest_scale_ = kLargestScale * std::max(kQuantisation, noise) + kModelError * contrast();
   scale_ = std::clamp(scale_, smallestScale(), std::max(smallestScale(), largest_scale_));
 }
 

@@ -16,8 +16,9 @@ constexpr int kFewestEdgePixels = 40;
 
 class BranchFit {
  public:
-  BranchFit(const PhotometricParameters& parameters, const ClipRange& range)
-      : parameters_(&parameters), range_(range) {}
+  /// `whole` as of PhotometricStart.
+  BranchFit(const PhotometricParameters& parameters, const ClipRange& range, bool whole)
+      : parameters_(&parameters), range_(range), whole_(whole) {}
 
   PhotometricState state;
   PhotometricResult result;
@@ -67,10 +68,12 @@ class BranchFit {
   double contrast() const;
   double smallestScale() const;
   void boundScale(const PhotometricProblem& problem);
+  double scaleOf(const Evaluation& last) const;
   void judge(const PhotometricProblem& problem, const Descent& end);
 
   const PhotometricParameters* parameters_;
   ClipRange range_;
+  bool whole_;
   double scale_ = 1e4;  // noise that the loss is measured with [grey levels]
   double largest_scale_ = 1e4;
   bool scale_guessed_ = false;  // nothing has been seen yet that tells it

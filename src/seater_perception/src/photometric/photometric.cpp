@@ -202,7 +202,7 @@ std::vector<BranchFit> PhotometricRefiner::Workspace::fitAll(const FitContext& c
 std::vector<BranchFit> PhotometricRefiner::Workspace::begin(const FitContext& context, const ClipRange& range) const {
   const double sd =
       context.start.psf_sd > 0.0 && psf_model != PsfModel::given ? context.start.psf_sd : parameters.psf_sd;
-  std::vector<BranchFit> fits(context.initial.size(), BranchFit(parameters, range));
+  std::vector<BranchFit> fits(context.initial.size(), BranchFit(parameters, range, context.start.whole));
   for (std::size_t i = 0; i < fits.size(); ++i) {
     const Eigen::Isometry3d& initial = context.initial[i];
     fits[i].state.pose = initial;

@@ -161,7 +161,7 @@ void DetectionPipeline::keepCorners(const std::vector<DockHypothesis>& dock, Mar
 void DetectionPipeline::leaveOpen(const std::vector<DockHypothesis>& dock, const MarkerEstimate& found,
                                   MarkerEstimate& refined) const {
   const bool small = found.image.side() < kLargeMarker;
-  if (!small && found.image.edges_fitted) return;
+  if (!small && found.image.edges_fitted && refined.model_holds) return;
   MarkerEstimate by_corners = found;
   by_corners.model_sigma = refined.model_sigma;
   keepCorners(dock, by_corners);

@@ -165,6 +165,7 @@ void MarkerDetector::Implementation::refine(const cv::Mat& grey, MarkerCorners& 
     marker.corners = fitted->corners;
     marker.edges_fitted = true;
     marker.psf_sd = fitted->psf_sd;
+    marker.edge_residual = fitted->residual;
   }
 }
 

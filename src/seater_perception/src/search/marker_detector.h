@@ -23,6 +23,7 @@ struct MarkerCorners {
   bool edges_fitted = false;
   double corner_sigma = 0.0;          ///< standard deviation of a corner coordinate; 0: as the parameters say [px]
   double psf_sd = 0.0;                ///< of the lens' PSF, from fitted edges or grey levels; 0: not known [px]
+  double edge_residual = 0.0;         ///< as of FittedEdges [grey levels]
   double surplus = 0.0;               ///< as of DecodedMarker
   int template_level = -1;            ///< DecodedMarker::template_level; -1: not known
   double dark = 0.0, contrast = 0.0;  ///< as of DecodedMarker; contrast 0: not to be relied on

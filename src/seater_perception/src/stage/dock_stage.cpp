@@ -35,7 +35,7 @@ std::optional<std::vector<Member>> membersOf(const PhotometricContext& context, 
 }
 
 bool photometric(const Member& m) {
-  return m.seen->stage == PoseStage::photometric;
+  return m.seen->stage == PoseStage::photometric && m.seen->model_holds;
 }
 
 /// Distinct results of the joint fit of the members that the model holds for.

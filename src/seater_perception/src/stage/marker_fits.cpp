@@ -80,6 +80,13 @@ std::vector<PoseHypothesis> MarkerFits::fit(PhotometricRefiner& by, double psf_s
   return both.empty() ? found : both;
 }
 
+std::vector<PoseHypothesis> MarkerFits::fitWhole(PhotometricRefiner& by) {
+  if (!wholePrint(marker_.image)) return {};
+  // Not that of the edges: from the very sharp ones of aliased images, fits often do not converge.
+  const double psf_sd = psf_sd_ > 0.0 ? psf_sd_ : by.parameters().psf_sd;
+  return fitFrom(by, openPoses(marker_), {psf_sd, std::nullopt, true});
+}
+
 std::vector<PoseHypothesis> MarkerFits::fitFrom(PhotometricRefiner& by, const std::vector<Eigen::Isometry3d>& initial,
                                                 const PhotometricStart& start) {
   branches_ = by.refineBranches(context_.grey, context_.camera, placement_, initial, start);
@@ -91,27 +98,44 @@ std::vector<PoseHypothesis> MarkerFits::fitFrom(PhotometricRefiner& by, const st
     best = b.chi_square;
     compareWithNoise(b.result);
   }
-  return distinct(branches_, side < kLargeMarker ? kExplainedSmall : kExplainedLarge);
+  // The bits have proved what nothing covers; what is left over is the camera's.
+  return distinct(branches_, start.whole ? kExplainedLarge : smallestExplained());
 }
 
 void MarkerFits::compareWithNoise(const PhotometricResult& result) {
   const double residual = wholePrint(marker_.image) ? result.rms : result.noise_sd;
+  residual_ = residual;
   misfit_ = residual / noiseBeside(result);
   psf_sd_ = result.psf_sd;
   model_sigma_ = std::hypot(shiftOf(result, residual, misfit_), bloomOf(result));
+  // Curves of grey levels (equalised, binarised images) leave residuals that say little of places.
+  if (result.explained < smallestExplained()) model_sigma_ = std::max(model_sigma_, context_.pose.corner_sigma_coarse);
+}
+
+double MarkerFits::smallestExplained() const {
+  return marker_.image.side() < kLargeMarker ? kExplainedSmall : kExplainedLarge;
 }
 
 /// [grey levels] of flat pixels of the print, or what its surroundings show, where that is less or the print has
 /// none. A shadow's edge makes flat pixels uneven too, and is no fault of the model.
 double MarkerFits::noiseBeside(const PhotometricResult& result) {
+  const bool clipped = std::max(result.clipped_low, result.clipped_high) > kClipped;  // and with it its noise
+  if (result.flat_noise > 0.0 && marker_.image.shadow) return result.flat_noise;
+  return result.flat_noise > 0.0 && !clipped ? std::min(result.flat_noise, noiseRound()) : noiseRound();
+}
+
+bool MarkerFits::unlikeModel(double misfit) {
+  if (!wholePrint(marker_.image)) return false;
+  return !marker_.image.edges_fitted || marker_.image.edge_residual > misfit * noiseRound();
+}
+
+double MarkerFits::noiseRound() {
   if (!(beside_ > 0.0)) {
     const Eigen::AlignedBox2d box = boundingBox(marker_.image.corners);
     const Eigen::Vector2d margin = kBeside * box.sizes();
     beside_ = std::max(kLeastNoise, whiteNoise(context_.grey, {box.min() - margin, box.max() + margin}));
   }
-  const bool clipped = std::max(result.clipped_low, result.clipped_high) > kClipped;  // and with it its noise
-  if (result.flat_noise > 0.0 && marker_.image.shadow) return result.flat_noise;
-  return result.flat_noise > 0.0 && !clipped ? std::min(result.flat_noise, beside_) : beside_;
+  return beside_;
 }
 
 double MarkerFits::doubt() const {

@@ -17,11 +17,20 @@ class MarkerFits {
   /// `psf_sd` as of PhotometricStart.
   std::vector<PoseHypothesis> fit(PhotometricRefiner& by, double psf_sd);
 
+  /// From all poses that the corners leave open, all residuals counted; nothing where something may cover the print.
+  std::vector<PoseHypothesis> fitWhole(PhotometricRefiner& by);
+
+  /// Whether the edges of a whole print are already worse than that (residuals about their own steps over the noise
+  /// round the marker), or could not be fitted.
+  bool unlikeModel(double misfit);
+
   int cells() const { return cells_; }
   /// Of the best one of the last fits: residuals at edges over the noise of flat pixels, and the standard
   /// deviation of the lens' point spread function [px].
   double misfit() const { return misfit_; }
   double psfSd() const { return psf_sd_; }
+  /// [grey levels] rms at edges, of the same.
+  double residual() const { return residual_; }
   /// [px] standard deviation of a corner by what the residuals at edges are more than noise; 0: they are noise.
   double modelSigma() const { return model_sigma_; }
   /// What chi-squared has to be divided by to be believed.
@@ -31,6 +40,8 @@ class MarkerFits {
   std::vector<PoseHypothesis> fitFrom(PhotometricRefiner& by, const std::vector<Eigen::Isometry3d>& initial,
                                       const PhotometricStart& start);
   void compareWithNoise(const PhotometricResult& result);
+  double smallestExplained() const;
+  double noiseRound();
   double noiseBeside(const PhotometricResult& result);
 
   const PhotometricContext& context_;
@@ -39,7 +50,7 @@ class MarkerFits {
   const int cells_;
   std::optional<Brightness> brightness_;
   std::vector<PhotometricBranch> branches_;  // of the last fits
-  double misfit_ = 0.0, psf_sd_ = 0.0, model_sigma_ = 0.0;
+  double residual_ = 0.0, misfit_ = 0.0, psf_sd_ = 0.0, model_sigma_ = 0.0;
   double beside_ = 0.0;  // noise round the marker, once it is known
 };
 

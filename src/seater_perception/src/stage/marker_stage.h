@@ -22,9 +22,8 @@ struct PhotometricContext {
 /// How the refinement of a marker ended.
 enum class MarkerOutcome {
   refined,       ///< poses are those of the grey levels, corners those of the best pose
-  corners_kept,  ///< no fit converged, or camera or print are not as the model has them (sharpened, bent, cells of
-                 ///< another width): poses stay those of the corners
-  doubtful       ///< of a tracked marker: the same; to be done again from its edges
+  corners_kept,  ///< no fit converged, or a clean outline contradicts the cells: poses stay those of the corners
+  doubtful       ///< of a tracked marker: no fit, or not as the model has it; to be done again from its edges
 };
 
 struct RefinedMarker {
@@ -34,9 +33,10 @@ struct RefinedMarker {
 };
 
 /// Poses of a detected marker. Fits begin at all its hypotheses which the corners cannot tell apart; what remains is
-/// weighed by the photometric residual and the prior. Covariances are the fit's own, and what camera and print deviate
-/// from its model. `tracked`: the marker is an expectedMarker, whose poses, point spread function and brightness are
-/// near.
+/// weighed by the photometric residual and the prior. Where the image is not as the model has it, the whole print is
+/// fitted, all residuals counted, and `model_holds` is false. Covariances are the fit's own, and what camera and
+/// print deviate from its model. `tracked`: the marker is an expectedMarker, whose poses, point spread function and
+/// brightness are near.
 RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& prior, const MarkerEstimate& marker,
                            bool tracked);
 

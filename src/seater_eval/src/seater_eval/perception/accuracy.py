@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from seater_eval.peers.process import peers_for
 from seater_eval.perception import subject
 from seater_eval.perception.accuracy_cells import BranchJob, CellJob, count_wrong_branches, run_cell, table_bounds
 from seater_eval.perception.images.degraded_camera import load_degraded_camera
@@ -39,8 +40,11 @@ TIMES_BOUND, TIMES_OPENCV, FEWER = 2.0, 10.0, 5.0
 FOUND = 0.9  # fraction of the images that have to be found before their errors count
 
 
-def run_accuracy(config: str | Path, quick: bool, partial: Path | None = None) -> dict[str, Any]:
-    """All cells, the wrong-branch frames, the published images. `partial`: see run_long. Raises ParameterError."""
+def run_accuracy(
+    config: str | Path, quick: bool, partial: Path | None = None, peers: Path | None = None
+) -> dict[str, Any]:
+    """All cells, the wrong-branch frames, the published images. `partial`: see run_long; `peers`: what
+    tools/make_peers.sh made, for the cells. Raises ParameterError, PeerError."""
     config = str(config)
     camera = load_degraded_camera(Path(config) / "cameras" / "degraded.yaml")
     subject.make_detector(camera, 0.1, subject.perception_parameters(config), prior=True)  # wrong parameters: now
@@ -49,7 +53,8 @@ def run_accuracy(config: str | Path, quick: bool, partial: Path | None = None) -
     else:
         wanted = [(size, z, angle) for size in SIZES for z in DISTANCES[size] for angle in ANGLES]
     methods, images, slow, frames = (QUICK_METHODS, 24, 0, 60) if quick else (METHODS, 48, 12, 3000)
-    jobs = [CellJob(config, *cell, images, slow, methods, i) for i, cell in enumerate(wanted)]
+    methods = (*methods, *peers_for(subject.DICTIONARY, peers))
+    jobs = [CellJob(config, *cell, images, slow, methods, i, peers) for i, cell in enumerate(wanted)]
     jobs.sort(key=lambda job: job.distance / job.size)  # the longest first, so that no core waits at the end
     blocks = [BranchJob(config, first, min(first + 20, frames)) for first in range(0, frames, 20)]
     files = subject.result_files(config)

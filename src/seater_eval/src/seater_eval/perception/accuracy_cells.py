@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -38,15 +39,16 @@ class CellJob:
     slow_images: int  # of them also given to OpenCV's APRILTAG refinement
     methods: tuple[str, ...]
     index: int  # of the cell, for its random numbers
+    peers: Path | None = None  # what tools/make_peers.sh made, for methods of seater_eval.peers
 
 
 @lru_cache(maxsize=64)
-def _detector(config: str, method: str, size: float) -> Any:
+def _detector(config: str, method: str, size: float, peers: Path | None = None) -> Any:
     camera = load_degraded_camera(f"{config}/cameras/degraded.yaml")
     if method.startswith("seater"):
         parameters = subject.perception_parameters(config)
         return subject.make_detector(camera, size, parameters, prior=method != "seater without prior")
-    return make_peer(method, camera.K, size)
+    return make_peer(method, camera.K, size, dictionary_of(method), peers)
 
 
 def run_cell(job: CellJob) -> dict[str, Any]:
@@ -79,7 +81,7 @@ def run_cell(job: CellJob) -> dict[str, Any]:
                     wrong += normal_error(estimate, pose) > WRONG_BRANCH
                     errors[name].append(_lengths(estimate, pose))
                 continue
-            detect: Detector = _detector(job.config, name, job.size)
+            detect: Detector = _detector(job.config, name, job.size, job.peers)
             seen = _cut_detect(detect, image, truth, camera) if name == "opencv_apriltag" else detect(image)
             errors[name] += [_lengths(s.pose, pose) for s in seen if s.id == 0][:1]
     return {

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from seater_eval.peers import catalogue
 from seater_eval.perception.accuracy import _median
 from seater_eval.perception.peers import LABELS
 from seater_eval.report.evaluation_style import figure, save
@@ -20,6 +21,7 @@ COLOURS = {
     "opencv_scaled": "#d1852c",
     "opencv_apriltag": "#7a4fb0",
     "pupil_apriltags": "#1f6fb4",
+    **catalogue.COLOURS,
 }
 
 

@@ -5,12 +5,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.marker_family import marker_family
+from seater_eval.peers import catalogue
+from seater_eval.peers.process import PeerProcess, peer_process
 from seater_eval.run.silence import silence
 
 Array = NDArray[np.float64]
@@ -38,6 +41,7 @@ LABELS = {
     "pupil_apriltags": "pupil-apriltags (36h11)",
     "bound": "Cramér-Rao bound",
     "published_corners": "(the package's own corners)",
+    **catalogue.PEERS,
 }
 APRILTAG_FAMILY, APRILTAG_DICTIONARY = "tag36h11", "DICT_APRILTAG_36h11"
 
@@ -47,9 +51,14 @@ def dictionary_of(name: str) -> str:
     return APRILTAG_DICTIONARY if name == "pupil_apriltags" else "DICT_4X4_50"
 
 
-def make_peer(name: str, K: Array, size: float, dictionary: str = "DICT_4X4_50") -> Detector:
-    """A detector by its name in PEERS, for prints of this side [m]. One thread. Raises KeyError for other names."""
+def make_peer(
+    name: str, K: Array, size: float, dictionary: str = "DICT_4X4_50", folder: Path | None = None
+) -> Detector:
+    """A detector by its name in PEERS, or in seater_eval.peers with the `folder` that tools/make_peers.sh made; for
+    prints of this side [m]. One thread. Raises KeyError for other names, PeerError."""
     cv2.setNumThreads(1)
+    if folder is not None and name in catalogue.PEERS:
+        return from_process(peer_process(folder, name, dictionary), K, size)
     if name == "pupil_apriltags":
         return _pupil_apriltags(K, size)
     return _opencv(name, K, size, dictionary)
@@ -130,6 +139,16 @@ def _pupil_apriltags(K: Array, size: float) -> Detector:
             pose[:3, :3], pose[:3, 3] = tag.pose_R @ to_ours, tag.pose_t.ravel()
             seen.append(Seen(int(tag.tag_id), np.roll(tag.corners[::-1], 2, axis=0) - 0.5, pose))
         return seen
+
+    return detect
+
+
+def from_process(process: PeerProcess, K: Array, size: float) -> Detector:
+    """Its corners, with poses by IPPE."""
+
+    def detect(image: Image) -> list[Seen]:
+        found = [Seen(i, corners, np.eye(4)) for i, corners in process.look(image).found]
+        return [Seen(s.id, s.corners, best_of_ippe(s, K, size)) for s in found]
 
     return detect
 

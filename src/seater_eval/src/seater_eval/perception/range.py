@@ -6,6 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from seater_eval.peers.process import peers_for
 from seater_eval.perception import subject
 from seater_eval.perception.images.negatives import KINDS, OTHER_IDS
 from seater_eval.perception.range_jobs import (
@@ -29,20 +30,26 @@ FULL_METHODS = ("seater", ALL_IDS, TRACK, PLAIN, "opencv_default", "pupil_aprilt
 
 
 def run_range(
-    config: str | Path, quick: bool, negatives: int | None = None, partial: Path | None = None
+    config: str | Path,
+    quick: bool,
+    negatives: int | None = None,
+    partial: Path | None = None,
+    peers: Path | None = None,
 ) -> dict[str, Any]:
-    """All ends of all ranges, then the images without markers. `partial`: see run_long. Raises ParameterError."""
+    """All ends of all ranges, then the images without markers. `partial`: see run_long; `peers`: what
+    tools/make_peers.sh made. Raises ParameterError, PeerError."""
     config = str(config)
     camera = camera_of(config)
     subject.make_detector(camera, 0.1, subject.perception_parameters(config), prior=False)  # wrong parameters: now
     methods = ("seater", PLAIN) if quick else FULL_METHODS
+    methods = (*methods, *peers_for(subject.DICTIONARY, peers))
     # The frozen camera stands and falls with the plain detector's far end, and its window is narrow: more images there.
     images, plain_images, steps, plain_steps = (10, 60, 2, 0) if quick else (50, 1000, 6, 1)
     total = negatives if negatives is not None else (100 if quick else 10_000)
     jobs = [
         RangeJob(config, method, size, far, plain_images, plain_steps)
         if method == PLAIN and far
-        else RangeJob(config, method, size, far, images, steps)
+        else RangeJob(config, method, size, far, images, steps, peers)
         for size in PAPER
         for method in methods
         for far in ((True, False) if method == "seater" or not (quick or method == TRACK) else (True,))

@@ -37,6 +37,7 @@ class RangeJob:
     far: bool
     images: int
     steps: int
+    peers: Path | None = None  # what tools/make_peers.sh made, for methods of seater_eval.peers
 
 
 @dataclass(frozen=True)
@@ -55,12 +56,12 @@ def camera_of(config: str | Path) -> DegradedCamera:
 
 
 @lru_cache(maxsize=32)
-def _detector(config: str, method: str, size: float) -> Detector:
+def _detector(config: str, method: str, size: float, peers: Path | None) -> Detector:
     """Never one that tracks: that one has a memory."""
     camera = camera_of(config)
     if method in ("seater", ALL_IDS):
         return subject.as_peer(_subject(config, method, size))
-    return make_peer(method, camera.K, size)
+    return make_peer(method, camera.K, size, dictionary_of(method), peers)
 
 
 def _subject(config: str, method: str, size: float) -> Any:
@@ -85,15 +86,15 @@ def _image(config: str, method: str, size: float, distance: float, index: int, n
     return exposed(clean_image([print_], camera), camera.noise_sd, random), marker
 
 
-def detection_rate(config: str, method: str, size: float, distance: float, images: int, near: bool) -> float:
+def detection_rate(job: RangeJob, distance: float) -> float:
     """Fraction of the images, each for itself, in which the marker is found with its id."""
-    if method == TRACK:
-        return tracking_rate(config, size, distance, images)
-    detect, found = _detector(config, method, size), 0
-    for index in range(images):
-        image, marker = _image(config, method, size, distance, index, near)
+    if job.method == TRACK:
+        return tracking_rate(job.config, job.size, distance, job.images)
+    detect, found = _detector(job.config, job.method, job.size, job.peers), 0
+    for index in range(job.images):
+        image, marker = _image(job.config, job.method, job.size, distance, index, not job.far)
         found += any(seen.id == marker for seen in detect(image))
-    return found / images
+    return found / job.images
 
 
 def tracking_rate(config: str, size: float, distance: float, images: int) -> float:
@@ -124,7 +125,7 @@ def find_limit(job: RangeJob) -> dict[str, Any]:
 
     def good(distance: float) -> bool:
         if distance not in rates:
-            rates[distance] = detection_rate(job.config, job.method, job.size, distance, job.images, not job.far)
+            rates[distance] = detection_rate(job, distance)
         return rates[distance] >= NEEDED
 
     # What bars ask for is measured there, not between two steps.
@@ -159,7 +160,7 @@ def count_false(job: NegativeJob) -> dict[str, Any]:
         image = negative_image(job.config, kind, index)
         shown[kind] += 1
         for method in ("seater",) if job.other_ids else ("seater", ALL_IDS):
-            seen = _detector(job.config, method, 0.1)(image)
+            seen = _detector(job.config, method, 0.1, None)(image)
             false += [{"image": index, "kind": kind, "method": method, "id": s.id, "corners": s.corners} for s in seen]
     return {"shown": shown, "false": false}
 

@@ -8,6 +8,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from seater_eval.peers import catalogue
 from seater_eval.perception.peers import LABELS
 from seater_eval.perception.range import limit_of
 from seater_eval.perception.range_jobs import ALL_IDS, PAPER, TRACK, negative_image
@@ -26,6 +27,7 @@ COLOURS = {
     "opencv_none": "#c03030",
     "opencv_default": "#d1852c",
     "pupil_apriltags": "#1f6fb4",
+    **catalogue.COLOURS,
 }
 
 

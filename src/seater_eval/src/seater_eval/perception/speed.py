@@ -10,12 +10,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_eval.peers.catalogue import PEERS
+from seater_eval.peers.process import PeerProcess, peers_for
 from seater_eval.perception import subject
 from seater_eval.perception.images.degraded_camera import DegradedCamera, load_degraded_camera
 from seater_eval.perception.images.render import Print, clean_image, exposed
 from seater_eval.perception.images.scenes import facing
 from seater_eval.perception.peers import dictionary_of, make_peer
-from seater_eval.perception.timed_detector import Timed, TimedElsewhere
+from seater_eval.perception.timed_detector import Timed, TimedElsewhere, TimedPeer
 from seater_eval.report.bars import Bar
 from seater_eval.report.statistics import spread
 from seater_eval.run.progress import progress_bar
@@ -56,9 +58,10 @@ def images_of(camera: DegradedCamera, markers: int, dictionary: str, size: float
 
 
 def time_case(
-    config: str, camera: DegradedCamera, markers: int, names: list[str], repeats: int
+    config: str, camera: DegradedCamera, markers: int, names: list[str], repeats: int, peers: Path | None = None
 ) -> list[dict[str, Any]]:
-    """Processor time of this thread for each method on the same sequence, in turns, after one image to warm up."""
+    """Processor time of this thread for each method on the same sequence, in turns, after one image to warm up. Raises
+    PeerError."""
     size = 0.06 if markers >= 10 else 0.1
     parameters = subject.perception_parameters(config)
     detectors: dict[str, Timed] = {}
@@ -68,6 +71,8 @@ def time_case(
             detectors[name] = Timed(subject.as_peer(made))
         elif name == "pupil_apriltags":
             detectors[name] = TimedElsewhere(name, camera.K, size)
+        elif peers is not None and name in PEERS:
+            detectors[name] = TimedPeer(PeerProcess(peers, name, dictionary_of(name)))
         else:
             detectors[name] = Timed(make_peer(name, camera.K, size))
     sequences = {d: images_of(camera, markers, d, size, repeats + 1) for d in {dictionary_of(n) for n in names}}
@@ -91,12 +96,13 @@ def time_case(
     ]
 
 
-def run_speed(config: str | Path, quick: bool) -> dict[str, Any]:
-    """All cases, one after another in this process. Raises ParameterError."""
+def run_speed(config: str | Path, quick: bool, peers: Path | None = None) -> dict[str, Any]:
+    """All cases, one after another in this process. `peers`: what tools/make_peers.sh made. Raises ParameterError,
+    PeerError."""
     cv2.setNumThreads(1)
     config = str(config)
     camera = load_degraded_camera(Path(config) / "cameras" / "degraded.yaml")
-    names = list(METHODS)
+    names = [*METHODS, *peers_for(subject.DICTIONARY, peers)]
     if quick:
         names = [name for name in names if name != SLOWEST]
     resolutions, counts, repeats = ((BAR_RESOLUTION,), QUICK_MARKERS, 12) if quick else (RESOLUTIONS, MARKERS, 40)
@@ -104,7 +110,7 @@ def run_speed(config: str | Path, quick: bool) -> dict[str, Any]:
     with progress_bar("perception_speed", len(resolutions) * len(counts)) as progress:
         for width, height in resolutions:
             for markers in counts:
-                rows += time_case(config, camera.resized(width, height), markers, names, repeats)
+                rows += time_case(config, camera.resized(width, height), markers, names, repeats, peers)
                 progress.update()
     return {
         "quick": quick,

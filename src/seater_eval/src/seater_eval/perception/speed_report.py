@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from seater_eval.peers import catalogue
 from seater_eval.perception.peers import LABELS
-from seater_eval.perception.speed import METHODS, PLAIN, SEARCH, TRACKING, mostly_found
+from seater_eval.perception.speed import PLAIN, SEARCH, TRACKING, mostly_found
 from seater_eval.report.evaluation_style import figure, save
 from seater_eval.report.tables import text_table
 
@@ -19,12 +20,13 @@ COLOURS = {
     "opencv_default": "#c03030",
     "opencv_apriltag": "#7a4fb0",
     "pupil_apriltags": "#1f6fb4",
+    **catalogue.COLOURS,
 }
 
 
 def describe_speed(data: dict[str, Any]) -> str:
     """One line for each resolution and number of markers."""
-    names = [name for name in METHODS if any(row["method"] == name for row in data["rows"])]
+    names = list(dict.fromkeys(row["method"] for row in data["rows"]))
     rows = []
     for width, height, markers in dict.fromkeys((r["width"], r["height"], r["markers"]) for r in data["rows"]):
         cells = [
@@ -41,7 +43,7 @@ def draw_speed(data: dict[str, Any], path: Path) -> Path:
     resolutions = list(dict.fromkeys((row["width"], row["height"]) for row in data["rows"]))
     fig, axes = figure(len(resolutions), width=max(5.0, 12.0 / len(resolutions)), height=5.0)
     for axis, (width, height) in zip(np.atleast_1d(axes), resolutions, strict=True):
-        for name in METHODS:
+        for name in COLOURS:
             rows = [r for r in data["rows"] if r["method"] == name and r["width"] == width]
             if not rows:
                 continue

@@ -9,7 +9,8 @@ import cv2
 import numpy as np
 
 from seater_eval.photographs.detectors import SEATER, Found, Image
-from seater_eval.photographs.evaluate import Seen, read_image
+from seater_eval.photographs.evaluate import read_image
+from seater_eval.photographs.rows import Seen
 from seater_eval.photographs.truth import KnownMarker, PhotographFolder
 
 TILE, COLUMNS, MOST = 120, 12, 240  # [px], tiles

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from seater_eval.photographs.detectors import OPENCV, SEATER
+from seater_eval.peers.catalogue import PEERS
+from seater_eval.photographs.detectors import OPENCV, PLAIN, SEATER
 from seater_eval.report.bars import AT_LEAST, Bar
 from seater_eval.report.tables import text_table
 
 RECALL, RECALL_OF_A_FOLDER = 0.97, 0.95
 CORNER_MEDIAN, CORNER_P99 = 0.20, 0.80  # [px]
 NEES = 1.5  # of the degrees of freedom, mean
+TIMES_PLAIN = 0.8  # of plain OpenCV's time
+FEWEST_SHARED = 20  # markers of a board that two detectors are compared on
 
 
 def rows_of(data: dict[str, Any], detector: str) -> list[dict[str, Any]]:
@@ -43,7 +46,8 @@ def photograph_bars(data: dict[str, Any]) -> list[Bar]:
         Bar("false finds", float(sum(row["false"] for row in ours)), 0.0),
     ]
     for row in boards:
-        bars += board_bars(row)
+        bars += [*board_bars(row), *peer_bars(data, row["folder"])]
+    bars += [time_bar(data, row) for row in ours]
     certain = sum(row["certain"] for row in boards)
     wrong = float(sum(row["wrong_and_certain"] for row in boards)) if boards else None
     return [*bars, Bar("wrong branch called certain", wrong, certain / 5000.0, note=f"of {certain} certain ones")]
@@ -58,6 +62,27 @@ def board_bars(row: dict[str, Any]) -> list[Bar]:
         Bar(f"{name}: corner error, p99", row["corner_px"]["p99"], CORNER_P99, "px"),
         Bar(f"{name}: normalised error squared, mean / 6", None if nees is None else nees / 6.0, NEES),
     ]
+
+
+def peer_bars(data: dict[str, Any], folder: str) -> list[Bar]:
+    """Corners beside the best peer's, each on the markers that both have a truth for; none without peers."""
+    rows = [r for r in data["rows"] if r["folder"] == folder and r["detector"] in PEERS]
+    rows = [r for r in rows if r["shared"]["markers"] >= FEWEST_SHARED]
+    if not rows:
+        return []
+    bars = []
+    for measure in ("median", "p99"):
+        ratios = {r["detector"]: r["shared"]["ours"][measure] / r["shared"]["theirs"][measure] for r in rows}
+        best = max(ratios, key=lambda name: ratios[name])
+        bars.append(Bar(f"{folder}: corner error, {measure} / best peer's", ratios[best], 1.0, note=best))
+    return bars
+
+
+def time_bar(data: dict[str, Any], ours: dict[str, Any]) -> Bar:
+    """The whole search, poses included, over OpenCV's detection alone."""
+    plain = next((r for r in rows_of(data, PLAIN) if r["folder"] == ours["folder"]), None)
+    ratio = None if plain is None else ours["milliseconds"]["median"] / plain["milliseconds"]["median"]
+    return Bar(f"{ours['folder']}: time / plain OpenCV's", ratio, TIMES_PLAIN)
 
 
 def describe_photographs(data: dict[str, Any]) -> str:
@@ -77,7 +102,7 @@ def describe_photographs(data: dict[str, Any]) -> str:
         "stages",
     ]
     rows = [[row["folder"], row["detector"], *_line(row)] for row in data["rows"]]
-    for detector in (SEATER, OPENCV):
+    for detector in dict.fromkeys(row["detector"] for row in data["rows"]):
         own = rows_of(data, detector)
         found, markers = (sum(r[key] for r in own) for key in ("found", "markers"))
         rows.append(["all", detector, f"{found}/{markers} {_share(found, markers)}", str(sum(r["false"] for r in own))])

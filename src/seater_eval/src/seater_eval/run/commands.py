@@ -15,6 +15,13 @@ def make_parser(command: str, description: str | None) -> argparse.ArgumentParse
     return parser
 
 
+def add_peers_option(parser: argparse.ArgumentParser) -> None:
+    """--peers."""
+    parser.add_argument(
+        "--peers", type=Path, metavar="FOLDER", help="also beside detectors from PyPI (tools/make_peers.sh FOLDER)"
+    )
+
+
 def config_folder(options: argparse.Namespace) -> Path:
     """The folder asked for, else that of seater_config. Raises rospkg.ResourceNotFound without the package."""
     if options.config is not None:

@@ -60,6 +60,7 @@ struct Side {
   Eigen::Vector2d middle, along, outward;  // unit vectors
   double half = 0.0;                       // half length [px]
   double width = 0.0;                      // edge width: standard deviation of the step [px]
+  double residual = 0.0;                   // rms of its pixels about the step [grey levels]
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
 
   double at(double t) const { return offset[0] + t * (offset[1] + t * offset[2]); }
@@ -185,14 +186,14 @@ Eigen::Matrix<double, kRows, kRows> equations(Samples& samples, const Step& step
   return result;
 }
 
-/// One Gauss-Newton fit of the step to the samples; false when it does not look like an edge.
-bool fitStep(Samples& samples, bool bent, double band, Step& step) {
-  double residual = 0.0;
+/// One Gauss-Newton fit of the step to the samples, rms residual [grey levels]; false when it does not look like an
+/// edge.
+bool fitStep(Samples& samples, bool bent, double band, Step& step, double& residual) {
   for (int i = 0; i < kSteps; ++i) {
     const auto all = equations(samples, step);
     Matrix6d A = all.topLeftCorner<6, 6>();
     Vector6d g = all.topRightCorner<6, 1>();
-    residual = all(6, 6);
+    residual = std::sqrt(all(6, 6) / static_cast<double>(samples.size()));
     if (!bent) {
       A.row(2).setZero();
       A.col(2).setZero();
@@ -209,8 +210,7 @@ bool fitStep(Samples& samples, bool bent, double band, Step& step) {
     if (largest < kDone) break;
   }
   const double contrast = 2.0 * step[4];
-  return contrast > kSmallestContrast &&
-         std::sqrt(residual / static_cast<double>(samples.size())) < kLargestResidual * contrast;
+  return contrast > kSmallestContrast && residual < kLargestResidual * contrast;
 }
 
 bool fitSide(const cv::Mat& grey, double band, Side& side) {
@@ -222,7 +222,7 @@ bool fitSide(const cv::Mat& grey, double band, Side& side) {
   for (int round = 0; round < 3; ++round) {
     if (!collect(grey, side, band, samples)) return false;
     if (round == 0) step = start(side, samples, band);
-    if (!fitStep(samples, bent, band, step)) return false;
+    if (!fitStep(samples, bent, band, step, side.residual)) return false;
     const Eigen::Vector3d moved = step.head<3>() - side.offset;
     side.offset = step.head<3>();
     if (side.offset.cwiseAbs().maxCoeff() > 3.0 * band + 1.0) return false;
@@ -256,14 +256,16 @@ std::optional<FittedEdges> fitOnce(const cv::Mat& grey, const Quad& corners, dou
     if (!fitSide(grey, half_band, sides[i])) return std::nullopt;
   }
   FittedEdges result;
-  double variance = 0.0;
+  double variance = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
     const auto corner = meet(sides[(i + 3) % 4], sides[i]);
     if (!corner) return std::nullopt;
     result.corners[i] = *corner;
     variance += 0.25 * sides[i].width * sides[i].width;
+    squares += 0.25 * sides[i].residual * sides[i].residual;
   }
   result.psf_sd = std::sqrt(std::max(kSmallestPsf * kSmallestPsf, variance - 1.0 / 12.0));
+  result.residual = std::sqrt(squares);
   return result;
 }
 

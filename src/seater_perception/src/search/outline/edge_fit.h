@@ -23,7 +23,8 @@ namespace seater_perception {
 /// there. `grey` is CV_8UC1.
 struct FittedEdges {
   Quad corners;
-  double psf_sd = 0.0;  ///< standard deviation of the lens' PSF, the pixel's own area not included [px]
+  double psf_sd = 0.0;    ///< standard deviation of the lens' PSF, the pixel's own area not included [px]
+  double residual = 0.0;  ///< rms of all four bands' pixels about their steps [grey levels]
 };
 std::optional<FittedEdges> fitEdges(const cv::Mat& grey, const Quad& corners, double half_band);
 

@@ -1,0 +1,1 @@
+"""Marker detectors of other people, from PyPI, each in a process of its own."""
