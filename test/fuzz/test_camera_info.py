@@ -13,7 +13,6 @@ from sensor_msgs.msg import CameraInfo
 
 from seater_common.camera_model import CameraModel
 from seater_common.field_of_view import FieldOfView
-from seater_common.params import ParameterError
 from seater_nmpc.ros.camera import from_message
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
@@ -35,7 +34,7 @@ def test_hostile_camera_info() -> None:
             camera = from_message(message)
             camera = camera.rectified() if number % 2 else camera
             seen = FieldOfView.of(camera)
-        except (ParameterError, ValueError):  # the node goes on without this camera, or does not start
+        except ValueError:  # ParameterError among them: the node goes on without this camera, or does not start
             refused += 1
             continue
         assert all(np.all(np.isfinite(values)) for values in (camera.K, camera.D, camera.R, camera.P)), message

@@ -110,6 +110,16 @@ def test_one_unusable_odometry_from_the_future_blocks_nothing(stand: Stand) -> N
     assert drive.docks(RECOVERS), last(stand)
 
 
+def test_a_second_goal_replaces_the_first_and_the_other_action_is_busy(stand: Stand) -> None:
+    drive = Drive(stand)
+    assert drive.docks(RECOVERS)
+    stand.give("undock", UndockGoal())
+    assert (stand.results[-1].result_code, stand.active) == (DockResult.BUSY, True)
+    stand.give("dock", DockGoal(use_dock_id=True))
+    assert (stand.results[-1].result_code, stand.active) == (DockResult.CANCELED, True)
+    stand.node._abort(ResultCode.CANCELED, "the test ends")
+
+
 def test_an_error_in_a_handler_ends_the_goal(stand: Stand, monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever it is: zero, and the client is told."""
     drive = Drive(stand)
