@@ -3,12 +3,16 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
-from conftest import AT_ONCE
+from conftest import AT_ONCE, observation
 
 from seater_common.geometry import Chair, Dock
 from seater_nmpc.control.command import Status
 from seater_nmpc.control.controller import DockingController
+from seater_nmpc.observe.innovation import Outcome
+from seater_nmpc.observe.observer import DockObserver
+from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import ControlParameters
 from seater_nmpc.solve.registry import SOLVERS
 
@@ -43,3 +47,22 @@ def test_absurd_but_finite_inputs_stay_within_the_limits(of_each_solver, pose, v
         assert -limits.v_reverse_max <= command.v <= limits.v_max and abs(command.omega) <= limits.omega_max
     sane = [controller.command([-2.0, 0.0, 0.0], (0.0, 0.0), [0.0, 0.0, 0.0], stamp=(3 + k) * PERIOD) for k in range(2)]
     assert sane[-1].status not in FALLBACK
+
+
+@pytest.mark.parametrize("value", [1e11, 1e155, -1e300])
+def test_odometry_of_which_sums_would_overflow_is_refused(value: float) -> None:
+    observer = DockObserver(CHAIR.camera)
+    assert observer.add_odometry(Odometry(1.0, np.zeros(3), 0.0, 0.0))
+    for change in ({"pose": np.array([value, 0.0, 0.0])}, {"v": value}, {"omega": value}, {"stamp": abs(value)}):
+        assert not observer.add_odometry(replace(Odometry(1.1, np.zeros(3), 0.0, 0.0), **change))
+    assert observer.add_odometry(Odometry(1.1, np.zeros(3), 0.0, 0.0))
+
+
+@pytest.mark.parametrize("where", [(0, 3), (2, 3), (0, 0)])
+def test_an_image_of_a_dock_absurdly_far_away_is_invalid(where: tuple[int, int]) -> None:
+    """Its distance overflowed, passed the gate as NaN, and the estimate was not finite from then on."""
+    observer = DockObserver(CHAIR.camera)
+    observer.add_odometry(Odometry(1.0, np.zeros(3), 0.0, 0.0))
+    seen = observation(CHAIR, np.array([2.0, 0.0, 0.0]))
+    seen.T_optical_dock[where] = 1e300
+    assert observer.add_detections(1.0, [seen]).outcome is Outcome.INVALID

@@ -19,8 +19,9 @@ double Clocks::now() const {
   return lock_step_ ? ros::Time::now().toSec() : ros::SteadyTime::now().toSec();
 }
 
+// Not by ros::Duration, which throws where it cannot hold the difference.
 double Clocks::age(const ros::Time& stamp) {
-  return stamp.isZero() ? std::numeric_limits<double>::infinity() : (ros::Time::now() - stamp).toSec();
+  return stamp.isZero() ? std::numeric_limits<double>::infinity() : ros::Time::now().toSec() - stamp.toSec();
 }
 
 std::string Clocks::check() {

@@ -13,6 +13,8 @@ from seater_common.se2 import compose, relative, wrap_angle
 
 Array = NDArray[np.float64]
 
+_FARTHEST, _LARGEST = 1e4, 1e9  # entries of a pose [m] and a covariance beyond which sums of squares may overflow
+
 
 @dataclass(frozen=True)
 class Hypothesis:
@@ -55,9 +57,10 @@ class Planar:
 
 
 def project(T_base_optical: Array, hypothesis: Hypothesis) -> Planar | None:
-    """The hypothesis in base_link's plane; None when it is not finite or its covariance is not positive."""
+    """The hypothesis in base_link's plane; None when it is not finite, absurdly large, or its covariance is not
+    positive."""
     T, P = np.asarray(hypothesis.T_optical_dock, float), np.asarray(hypothesis.covariance, float)
-    if not (np.all(np.isfinite(T)) and np.all(np.isfinite(P)) and math.isfinite(hypothesis.weight)):
+    if not (np.all(np.abs(T) <= _FARTHEST) and np.all(np.abs(P) <= _LARGEST) and math.isfinite(hypothesis.weight)):
         return None
     T_base_dock = T_base_optical @ T
     rotation = np.kron(np.eye(2), T_base_optical[:3, :3])

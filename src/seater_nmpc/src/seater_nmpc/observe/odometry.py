@@ -14,6 +14,8 @@ from seater_nmpc.observe.twist import TwistCheck
 
 Array = NDArray[np.float64]
 
+_LARGEST = 1e10  # of [s], [m], [rad] and speeds: the seconds of ROS time and any map are below
+
 
 @dataclass(frozen=True)
 class Odometry:
@@ -25,8 +27,8 @@ class Odometry:
     omega: float  # [rad/s]
 
     def is_finite(self) -> bool:
-        """Whether every number is finite."""
-        return all(math.isfinite(value) for value in [self.stamp, *self.pose, self.v, self.omega])
+        """Whether every number is finite, and so small that sums of squares and products of them are."""
+        return all(abs(value) <= _LARGEST for value in [self.stamp, *self.pose, self.v, self.omega])
 
 
 @dataclass(frozen=True)

@@ -43,9 +43,9 @@ class ImageSpeeds:
 
 def speeds_by_images(shown: Shown, middle: Array, fewest: int = _FEWEST) -> ImageSpeeds | None:
     """`middle` (2,): of the dock's markers, in the dock's frame. None: fewer than `fewest` images, too slow a camera,
-    or images that do not agree."""
+    images that do not agree, or that did not come in the order of their times."""
     window = _window(shown, fewest)
-    if len(window) < fewest or window[-1][0].stamp - window[0][0].stamp > _LONGEST:
+    if len(window) < fewest or not 0.0 < window[-1][0].stamp - window[0][0].stamp <= _LONGEST:
         return None
     last = window[-1][0]
     best = [max(offered, key=lambda measurement: measurement.weight) for _, offered in window]

@@ -25,6 +25,7 @@ from seater_nmpc.ros.goals import Goals
 from seater_nmpc.ros.obstacles import Obstacles
 from seater_nmpc.ros.publishers import Publishers
 from seater_nmpc.ros.speed_zone import SpeedZone
+from seater_nmpc.ros.transforms import TransformBuffer
 from seater_nmpc.sequence.results import ResultCode, Step
 
 ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal
@@ -45,7 +46,7 @@ class DockingNode:
         self._clock: Callable[[], float] = rospy.get_time if lock_step else time.monotonic
         self._last_odometry, self._last_stamp = self._clock(), rospy.Time()
         self._out = Publishers(self._dock_frame, lock_step)
-        self._tf = tf2_ros.Buffer()
+        self._tf = TransformBuffer()
         self._tf_in = tf2_ros.TransformListener(self._tf)
         self._obstacles = Obstacles(self._tf, self._dock_frame, core.parameters.sequence.obstacle_timeout)
         self._diagnostics = Diagnostics(core.controller, core.observer, self._period)
@@ -111,10 +112,11 @@ class DockingNode:
             self._out.done("charging_contact", Header())
 
     def _on_odometry(self, message: OdometryMsg) -> None:
-        stamp, newest = message.header.stamp.to_sec(), self._core.observer.odometry.newest
-        if newest is not None and stamp < newest.stamp - TIME_JUMP:
+        stamp = message.header.stamp.to_sec()
+        if stamp < self._out.stamp.to_sec() - TIME_JUMP:  # of the last message, whether it was used or not
             self._abort(ResultCode.ODOMETRY_LOST, "time went backward")
             self._core.observer.odometry.clear()
+            self._core.observer.shown.clear()
             self._core.observer.reset()
             self._cycle, self._last_stamp = -1, rospy.Time()
         if not self._core.sequence.add_odometry(self._core.vehicle.odometry(conversions.odometry(message))):

@@ -1,0 +1,138 @@
+"""Hostile messages to the docking node: no error, nothing not finite or beyond a limit, and the next goal drives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+import rospy
+from amount import EPISODES, PER_EPISODE
+from drive import Drive
+from geometry_msgs.msg import Point32, Polygon, PoseStamped
+from hostile import Hostile
+from stand import Stand
+from std_msgs.msg import Bool
+from tf2_msgs.msg import TFMessage
+
+from seater_msgs.msg import DockGoal, DockResult, ObstacleArray, UndockGoal
+from seater_nmpc.ros import conversions
+from seater_nmpc.sequence.results import ResultCode
+
+MOST_AT_ONCE = max(1, PER_EPISODE // 10)  # hostile messages between two good ones
+RECOVERS = 4.0  # [s] of good messages until the chair drives; forgetting obstacles takes half a second of it
+
+Make = Callable[[Drive], Any]
+
+
+def obstacles(drive: Drive) -> ObstacleArray:
+    """A box beside the way, in odom."""
+    message = ObstacleArray()
+    message.header.stamp, message.header.frame_id = drive.stamp, "odom"
+    message.polygons = [Polygon([Point32(x, y, 0.0) for x, y in ((-1.0, 1.5), (-0.8, 1.5), (-0.9, 1.8))])]
+    return message
+
+
+def dock_goal(drive: Drive) -> DockGoal:
+    goal = DockGoal(use_dock_id=False, dock_pose=PoseStamped())
+    goal.dock_pose.header.stamp, goal.dock_pose.header.frame_id = drive.stamp, "odom"
+    goal.dock_pose.pose.orientation.w = 1.0
+    return goal
+
+
+TOPICS: dict[str, Make] = {
+    "odom": Drive.odometry,
+    "detections": Drive.detections,
+    "gate_state": Drive.gate_state,
+    "obstacles": obstacles,
+    "charging_contact": lambda drive: Bool(False),
+    "/tf": lambda drive: TFMessage([conversions.transform(drive.stamp, "odom", "base_link", (0.1, 0.2, 0.3))]),
+    "/tf_static": lambda drive: TFMessage([conversions.transform(drive.stamp, "base_link", "laser", (0.1, 0.0, 0.0))]),
+}
+GOALS: dict[str, Make] = {"dock": dock_goal, "undock": lambda drive: UndockGoal()}
+
+
+@pytest.fixture(scope="module")
+def stand() -> Iterator[Stand]:
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        yield Stand(monkeypatch)
+
+
+@pytest.mark.parametrize("name", [*TOPICS, *GOALS])
+def test_hostile_messages_to_the_docking_node(stand: Stand, name: str) -> None:
+    hostile, drive = Hostile(name), Drive(stand)
+    for episode in range(EPISODES):
+        drive.begin()
+        assert drive.docks(RECOVERS), f"{name}, episode {episode}: drives before"
+        attack(stand, drive, hostile, name)
+        stand.node._diagnostics._updater.update()
+        assert stand.errors + stand.violations == [], f"{name}, episode {episode}"
+        recover(stand, drive)
+        assert drive.docks(RECOVERS), f"{name}, episode {episode}: {last(stand)}"
+
+
+def attack(stand: Stand, drive: Drive, hostile: Hostile, name: str) -> None:
+    """Hostile messages of one kind among good ones of all."""
+    left = PER_EPISODE
+    while left > 0:
+        for _ in range(min(left, hostile.random.randint(1, MOST_AT_ONCE))):
+            left -= 1
+            if name in GOALS:
+                stand.give(name, hostile.spoil(GOALS[name](drive)))
+            else:
+                stand.deliver(name, hostile.spoil(TOPICS[name](drive)))
+        drive.step()
+        if not stand.active and hostile.random.random() < 0.2:
+            stand.give("dock", DockGoal(use_dock_id=True))
+
+
+def recover(stand: Stand, drive: Drive) -> None:
+    """What people do: the goal that is left is cancelled, what is out of date is said anew, the chair stands again."""
+    stand.node._abort(ResultCode.CANCELED, "cancelled")
+    drive.begin()
+    stand.deliver("obstacles", ObstacleArray(header=obstacles(drive).header))
+    stand.deliver("charging_contact", Bool(False))
+    drive.advance(0.5)
+
+
+def last(stand: Stand) -> str:
+    return stand.results[-1].result_text if stand.results else "no result"
+
+
+def test_one_unusable_odometry_from_the_future_blocks_nothing(stand: Stand) -> None:
+    """Refused for its NaN, its stamp counted all the same: every later goal ended at once."""
+    drive = Drive(stand)
+    message = drive.odometry()
+    message.header.stamp, message.twist.twist.linear.x = rospy.Time(2**31), math.nan
+    stand.deliver("odom", message)
+    drive.advance(0.5)
+    assert drive.docks(RECOVERS), last(stand)
+
+
+def test_a_second_goal_replaces_the_first_and_the_other_action_is_busy(stand: Stand) -> None:
+    drive = Drive(stand)
+    assert drive.docks(RECOVERS)
+    stand.give("undock", UndockGoal())
+    assert (stand.results[-1].result_code, stand.active) == (DockResult.BUSY, True)
+    stand.give("dock", DockGoal(use_dock_id=True))
+    assert (stand.results[-1].result_code, stand.active) == (DockResult.CANCELED, True)
+    stand.node._abort(ResultCode.CANCELED, "the test ends")
+
+
+def test_an_error_in_a_handler_ends_the_goal(stand: Stand, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever it is: zero, and the client is told."""
+    drive = Drive(stand)
+    assert drive.docks(RECOVERS)
+
+    def fails(*_: Any) -> None:
+        raise ZeroDivisionError("sabotaged")
+
+    with monkeypatch.context() as broken:
+        broken.setattr(stand.node, "_on_detections", fails)
+        stand.deliver("detections", drive.detections())
+    assert stand.errors == ["docking node, detections: ZeroDivisionError: sabotaged"]
+    stand.errors.clear()
+    assert (stand.results[-1].result_code, stand.active) == (DockResult.UNKNOWN, False)
+    assert stand.sent["velocity_request"][-1].twist.linear.x == 0.0
+    assert rospy.Time() < drive.stamp
