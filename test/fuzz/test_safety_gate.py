@@ -20,7 +20,7 @@ from hostile import Hostile
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Bool
 
-from seater_msgs.msg import GateState, MotorFault, SpeedLimit
+from seater_msgs.msg import GateState, MotorFault, ObstaclePoints, SpeedLimit
 
 LIMITS = yaml.safe_load((Path(__file__).resolve().parents[2] / "config" / "chair.yaml").read_text())["limits"]
 BURST, PAUSE = 5, 0.001  # messages, then [s]: the gate's queues hold 10, and none shall be dropped
@@ -39,6 +39,12 @@ def twist(v: float) -> Twist:
     return message
 
 
+def points(source: str) -> ObstaclePoints:
+    message = ObstaclePoints(source=source, x=[3.0], y=[2.0])
+    message.header.frame_id, message.header.stamp = "base_link", rospy.Time.now()
+    return message
+
+
 GOOD: dict[str, Callable[[], Any]] = {
     "velocity_request": request,
     "user_cmd_vel": lambda: twist(0.1),
@@ -47,6 +53,7 @@ GOOD: dict[str, Callable[[], Any]] = {
     "speed_limit": lambda: SpeedLimit(v_max=0.6),
     "odom": Odometry,
     "motor_fault": lambda: MotorFault(state=GateState.RUNAWAY, reason="told"),
+    "obstacle_points": lambda: points("scan"),
 }
 
 
@@ -107,4 +114,5 @@ def recover(driver: Driver, publishers: dict[str, rospy.Publisher]) -> None:
     while driver.state.state in (GateState.RUNAWAY, GateState.WRONG_DIRECTION) or time.monotonic() < end - STANDS + 0.2:
         assert time.monotonic() < end + 1.0, driver.state
         publishers["odom"].publish(Odometry())
+        publishers["obstacle_points"].publish(points("scan"))
         time.sleep(0.02)

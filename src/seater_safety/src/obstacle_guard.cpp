@@ -18,6 +18,7 @@ constexpr double kSlowest = 0.02;  // [m/s] slower is no driving, but creeping u
 constexpr double kCalm = 0.5;      // [s] after a stop: no stop and go at the edge of a zone
 constexpr double kPause = 1.0;     // [s] between two looks: nobody looked
 constexpr double kMemory = 5.0;    // [s] of what was sent; no measurement that counts is older
+constexpr std::size_t kSources = 16, kPoints = 20000;  // more are no sensors of a chair, and would take the gate's time
 constexpr double kFree = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -32,7 +33,11 @@ void ObstacleGuard::seen(double from, double measured, const std::string& source
   Sight sight{from, std::min(measured, from), std::move(points), blocked};
   const auto finite = [](const Point& point) { return std::isfinite(point.x) && std::isfinite(point.y); };
   if (!std::all_of(sight.points.begin(), sight.points.end(), finite)) sight.blocked = "a point is not finite";
-  std::deque<Sight>& sights = sights_[source];
+  const bool many = sight.points.size() > kPoints, another = sights_.count(source) == 0 && sights_.size() >= kSources;
+  if (many) sight.blocked = "too many points";
+  if (another) sight.blocked = "too many sources";
+  if (many || another) sight.points.clear();
+  std::deque<Sight>& sights = sights_[another ? "others" : source];
   while (!sights.empty() && sights.back().from >= from) sights.pop_back();
   sights.push_back(std::move(sight));
 }

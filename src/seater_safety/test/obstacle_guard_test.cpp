@@ -119,6 +119,18 @@ TEST(ObstacleGuard, ASilentOldOrBlockedSourceIsBlind) {
   EXPECT_EQ(guard.blind(11.0), "the sensor of obstacles (scan) sees nothing: a point is not finite");
 }
 
+// Nobody takes the gate's time or memory by messages that no sensor of a chair sends.
+TEST(ObstacleGuard, TooMuchIsBlind) {
+  ObstacleGuard many{kDefault};
+  many.seen(10.0, 10.0, kScan, std::vector<Point>(100000, Point{5.0, 5.0}));
+  EXPECT_NE(many.blind(10.0).find("too many points"), std::string::npos);
+  ObstacleGuard names{kDefault};
+  for (int i = 0; i < 16; ++i) names.seen(10.0, 10.0, std::to_string(i), {});
+  EXPECT_EQ(names.blind(10.0), "");
+  for (int i = 16; i < 1000; ++i) names.seen(10.0 + 1e-3 * i, 10.0 + 1e-3 * i, std::to_string(i), {});
+  EXPECT_NE(names.blind(11.0).find("too many sources"), std::string::npos);
+}
+
 TEST(ObstacleGuard, ASourceOfAnotherNameDoesNotReplaceTheRequiredOne) {
   ObstacleGuard guard{kDefault, {kScan}};
   for (double now = 10.0; now < 10.7; now += 0.1) {
