@@ -28,7 +28,6 @@ _PRIOR_TIMING, _TYPICAL_ERROR = 1.0, 0.1  # penalty of times that differ from th
 _DELAYS = (-0.15, -0.1, -0.05, 0.0, 0.05, 0.1)  # [s] added to the configured delay
 _LAGS = (0.1, 0.4, 0.7, 1.0, 1.4, 1.8)  # times the configured lag
 _GAP = 0.5  # [s] between two measurements after which the prediction begins anew
-_AS_WELL = 6.0  # in log likelihood, within which another delay or lag may be the right one
 _FASTEST = 10.0  # [m/s or rad/s] beyond that it is no measurement of a chair
 
 
@@ -79,7 +78,7 @@ class ResponseEstimator:
         well what was measured so far. While a command changes, a delay that is not known yet looks like a chair that
         turns by itself."""
         costs, differences = self._cost[:, :, self._drive], self._difference[:, :, self._drive]
-        likely = differences[costs <= costs.min() + _AS_WELL]
+        likely = differences[costs <= costs.min() + _MARGIN]
         least, most = float(likely.min()), float(likely.max())
         return max(least, 0.0) + min(most, 0.0)
 

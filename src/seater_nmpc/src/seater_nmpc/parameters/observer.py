@@ -59,7 +59,7 @@ class ObserverParameters:
         0.002, "m/sqrt(m)", "random error of distances after 1 m, standard deviation", low=0.0, high=1.0
     )
     side_noise: float = param(
-        0.002, "m/sqrt(m)", "random way across its wheels after 1 m driven, standard deviation", low=0.0, high=1.0
+        0.0, "m/sqrt(m)", "random way across its wheels after 1 m driven, standard deviation", low=0.0, high=1.0
     )
     heading_noise: float = param(
         0.002, "rad/sqrt(m)", "random turn after 1 m driven, standard deviation", low=0.0, high=1.0
@@ -75,7 +75,7 @@ class ObserverParameters:
         high=1.0,
     )
     slip_side_noise: float = param(
-        0.01, "m/sqrt(m)", "random way across wheels that slip, after 1 m driven", low=0.0, high=1.0
+        0.02, "m/sqrt(m)", "random way across wheels that slip, after 1 m driven", low=0.0, high=1.0
     )
     slip_heading_noise: float = param(
         0.02, "rad/sqrt(m)", "random turn of wheels that slip, after 1 m driven", low=0.0, high=1.0
