@@ -56,4 +56,4 @@ class Teach(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("teach_test")
-    rostest.rosrun("seater_test", "teach", Teach, sys.argv)
+    rostest.rosrun("seater_test", "teach_docked_pose", Teach, sys.argv)
