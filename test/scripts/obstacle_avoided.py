@@ -2,7 +2,6 @@
 """Docks round an obstacle beside the straight way; the TRUE final error is small, nothing was touched, the chair
 stands."""
 
-import math
 import sys
 
 import numpy as np
@@ -11,11 +10,7 @@ import rostest
 from seater_test.harness import DockingCase
 from std_msgs.msg import UInt32
 
-from seater_common.geometry import polygon_distance
 from seater_msgs.msg import DockResult
-
-LARGEST_DISTANCE = 0.010  # [m]
-LARGEST_HEADING = math.radians(1.0)
 
 
 class ObstacleAvoided(DockingCase):
@@ -33,19 +28,9 @@ class ObstacleAvoided(DockingCase):
         self.assertLess(min(self.distance(pose, outline) for pose in straight), 0.0, "the straight way is free already")
         result = self.result()
         self.assertEqual(result.result_code, DockResult.SUCCESS, result.result_text)
-        distance, heading = self.final_error()
-        nearest = min(self.distance(row[1:4], outline) for row in self.truth)
-        text = "true final error %.2f mm, %.3f deg, nearest to the obstacle %.3f m, %d retries"
-        rospy.loginfo(text, 1e3 * distance, math.degrees(heading), nearest, result.num_retries)
-        self.assertLessEqual(distance, LARGEST_DISTANCE)
-        self.assertLessEqual(heading, LARGEST_HEADING)
-        self.assertGreater(nearest, 0.0, "the chair touched the obstacle")
-        self.assertEqual(collisions, [0])
+        self.assert_docked_beside(outline, result.num_retries, collisions)
         self.assert_standing()
         self.assert_commands_within_limits()
-
-    def distance(self, pose: list[float], outline: np.ndarray) -> float:
-        return polygon_distance(self.chair.corners_at(pose), outline)
 
 
 if __name__ == "__main__":

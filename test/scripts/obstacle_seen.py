@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """Docks round an obstacle that nobody told and behind somebody who walks across: both were seen, neither touched."""
 
-import math
 import sys
 
 import numpy as np
@@ -10,11 +9,7 @@ import rostest
 from seater_test.harness import DockingCase
 from std_msgs.msg import UInt32
 
-from seater_common.geometry import polygon_distance
 from seater_msgs.msg import DockResult, ObstacleArray, ObstaclePoints
-
-LARGEST_DISTANCE = 0.010  # [m]
-LARGEST_HEADING = math.radians(1.0)
 
 
 class ObstacleSeen(DockingCase):
@@ -31,14 +26,7 @@ class ObstacleSeen(DockingCase):
         self.start()
         result = self.result()
         self.assertEqual(result.result_code, DockResult.SUCCESS, result.result_text)
-        distance, heading = self.final_error()
-        nearest = min(polygon_distance(self.chair.corners_at(row[1:4]), outline) for row in self.truth)
-        text = "true final error %.2f mm, %.3f deg, nearest to the obstacle %.3f m, %d retries"
-        rospy.loginfo(text, 1e3 * distance, math.degrees(heading), nearest, result.num_retries)
-        self.assertLessEqual(distance, LARGEST_DISTANCE)
-        self.assertLessEqual(heading, LARGEST_HEADING)
-        self.assertGreater(nearest, 0.0, "the chair touched the obstacle")
-        self.assertEqual(collisions, [0])
+        self.assert_docked_beside(outline, result.num_retries, collisions)
         self.assertFalse([message.blocked for message in points if message.blocked])
         self.assertTrue(all(message.header.frame_id == "odom" for message in outlines))
         inside = [(x, y) for x, y in zip(points[-1].x, points[-1].y, strict=True) if abs(y) < 0.55 and -0.3 < x < 0.95]

@@ -16,12 +16,14 @@ import rospy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 
-from seater_common.geometry import Chair, Dock
+from seater_common.geometry import Chair, Dock, polygon_distance
 from seater_common.params import load
 from seater_eval.docking.recording import heading_of
 from seater_eval.ros.dock_client import DockClient, wait_until
 from seater_msgs.msg import DockResult
 
+LARGEST_DISTANCE = 0.010  # [m]
+LARGEST_HEADING = math.radians(1.0)
 PATIENCE = 200.0  # [s] wall time; a loaded machine may take long
 
 
@@ -80,6 +82,21 @@ class DockingCase(unittest.TestCase):
         """True distance [m] and heading error [rad]."""
         x, y, heading = self.dock.docking_error(self.truth[-1][1:4])
         return math.hypot(x, y), abs(heading)
+
+    def assert_docked_beside(self, outline: np.ndarray, retries: int, collisions: list[int]) -> None:
+        """Truly within 10 mm and 1 deg, and nothing was touched on the way, least of all the `outline` (n, 2) [m]."""
+        distance, heading = self.final_error()
+        nearest = min(self.distance(row[1:4], outline) for row in self.truth)
+        text = "true final error %.2f mm, %.3f deg, nearest to the obstacle %.3f m, %d retries"
+        rospy.loginfo(text, 1e3 * distance, math.degrees(heading), nearest, retries)
+        self.assertLessEqual(distance, LARGEST_DISTANCE)
+        self.assertLessEqual(heading, LARGEST_HEADING)
+        self.assertGreater(nearest, 0.0, "the chair touched the obstacle")
+        self.assertEqual(collisions, [0])
+
+    def distance(self, pose: list[float] | np.ndarray, outline: np.ndarray) -> float:
+        """Between the chair there and an outline [m]; negative: it is touched."""
+        return polygon_distance(self.chair.corners_at(pose), outline)
 
     def _on_truth(self, message: Odometry) -> None:
         pose, twist = message.pose.pose, message.twist.twist

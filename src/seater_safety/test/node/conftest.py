@@ -2,22 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import socket
 import subprocess
 from collections.abc import Iterator
 
 import pytest
 
-# Before rospy is imported: it reads the address once.
-with socket.socket() as free:
-    free.bind(("127.0.0.1", 0))
-    PORT = free.getsockname()[1]
-os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{PORT}"
-os.environ["ROS_IP"] = "127.0.0.1"
-
-import rosgraph
-import rospy
+from own_master import own_master  # isort: skip  # before rospy
 from driver import Driver, end_gates, start_gate, wait_until
 
 from seater_msgs.msg import GateState
@@ -25,12 +15,8 @@ from seater_msgs.msg import GateState
 
 @pytest.fixture(scope="session")
 def master() -> Iterator[subprocess.Popen[bytes]]:
-    process = subprocess.Popen(["rosmaster", "--core", "-p", str(PORT)], stdout=subprocess.DEVNULL)
-    wait_until(rosgraph.is_master_online, "the master")
-    rospy.init_node("docking", disable_signals=True)
-    yield process
-    process.kill()
-    process.wait()
+    with own_master() as process:
+        yield process
 
 
 @pytest.fixture(scope="session")

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.geometry import Chair, planar_pose
+from seater_common.messages import matrix_of_pose
 from seater_identify.record.recording import Recording, RecordingError
 
 Array = NDArray[np.float64]
@@ -69,33 +70,16 @@ def dock_row(stamp: float, T_optical_dock: Array, covariance: Array, chair: Chai
     return np.array([stamp, *planar_pose(T_base_optical @ T_optical_dock)]), in_base[np.ix_([0, 1, 5], [0, 1, 5])]
 
 
-def pose_matrix(pose: Any) -> Array:
-    """4x4 of a geometry_msgs/Pose; NaN when its quaternion is no rotation."""
-    q = np.array([pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w])
-    norm = float(np.linalg.norm(q))
-    if not 0.9 < norm < 1.1:
-        return np.full((4, 4), np.nan)
-    x, y, z, w = q / norm
-    T = np.eye(4)
-    T[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    T[:3, 3] = [pose.position.x, pose.position.y, pose.position.z]
-    return T
-
-
 def _take(kind: str, message: Any, time: float, chair: Chair, rows: dict[str, list[Any]]) -> None:
     if kind == "command":
         twist = getattr(message, "twist", message)
         rows["command"].append([time, twist.linear.x, twist.angular.z])
     elif kind == "odometry":
-        T = pose_matrix(message.pose.pose)
+        T = matrix_of_pose(message.pose.pose)
         rows["odometry"].append([message.header.stamp.to_sec(), *planar_pose(T)])
     else:
         covariance = np.reshape(np.array(message.pose.covariance, dtype=float), (6, 6))
-        row, planar = dock_row(message.header.stamp.to_sec(), pose_matrix(message.pose.pose), covariance, chair)
+        row, planar = dock_row(message.header.stamp.to_sec(), matrix_of_pose(message.pose.pose), covariance, chair)
         if np.all(np.isfinite(row)) and np.all(np.linalg.eigvalsh(planar) > 0.0):
             rows["dock"].append(row)
             rows["covariance"].append(planar)

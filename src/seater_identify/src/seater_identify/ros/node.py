@@ -19,9 +19,10 @@ from nav_msgs.msg import Odometry
 from std_srvs.srv import Trigger, TriggerResponse
 
 from seater_common.geometry import Chair, planar_pose
+from seater_common.messages import matrix_of_pose
 from seater_common.params import load
 from seater_identify.drive.driver import Driver, DriveState
-from seater_identify.record.bag import dock_row, make_recording, pose_matrix
+from seater_identify.record.bag import dock_row, make_recording
 from seater_identify.record.recording import RecordingError
 from seater_identify.report.files import KeyPathError
 from seater_identify.report.folder import Sources, write_folder
@@ -58,7 +59,7 @@ class IdentifyNode:
         rospy.loginfo("ready. Clear the area, then: rosservice call %s", rospy.resolve_name("~start"))
 
     def _on_odometry(self, message: Odometry) -> None:
-        stamp, pose = message.header.stamp.to_sec(), planar_pose(pose_matrix(message.pose.pose))
+        stamp, pose = message.header.stamp.to_sec(), planar_pose(matrix_of_pose(message.pose.pose))
         with self._lock:
             self._driver.odometry(stamp, pose, rospy.get_time())
             self._record("odometry", [stamp, *pose])
@@ -70,7 +71,7 @@ class IdentifyNode:
     def _on_dock(self, message: PoseWithCovarianceStamped) -> None:
         covariance = np.reshape(np.array(message.pose.covariance, dtype=float), (6, 6))
         stamp = message.header.stamp.to_sec()
-        row, planar = dock_row(stamp, pose_matrix(message.pose.pose), covariance, self._chair)
+        row, planar = dock_row(stamp, matrix_of_pose(message.pose.pose), covariance, self._chair)
         if not np.all(np.isfinite(row)) or not np.all(np.isfinite(planar)) or np.any(np.linalg.eigvalsh(planar) <= 0.0):
             return
         with self._lock:

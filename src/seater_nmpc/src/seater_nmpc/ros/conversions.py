@@ -10,7 +10,6 @@ from geometry_msgs.msg import (
     Pose,
     PoseStamped,
     PoseWithCovarianceStamped,
-    Transform,
     TransformStamped,
     Twist,
     TwistStamped,
@@ -20,6 +19,7 @@ from nav_msgs.msg import Path
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import planar_pose
+from seater_common.messages import matrix_of_pose
 from seater_msgs.msg import (
     ControllerStatus,
     DockFeedback,
@@ -41,23 +41,6 @@ Array = NDArray[np.float64]
 SEEN_RECENTLY = 0.2  # [s] age up to which Dock.action says that the marker is seen
 
 
-def matrix(pose: Pose) -> Array:
-    """4x4 transform of a pose message; all NaN when its quaternion is no rotation."""
-    q = np.array([pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w])
-    norm = float(np.linalg.norm(q))
-    T = np.eye(4)
-    if not 0.9 < norm < 1.1:
-        return np.full((4, 4), math.nan)
-    x, y, z, w = q / norm
-    T[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    T[:3, 3] = [pose.position.x, pose.position.y, pose.position.z]
-    return T
-
-
 def pose_message(pose: ArrayLike) -> Pose:
     """A planar pose (x, y, heading) as a message."""
     x, y, heading = (float(value) for value in np.asarray(pose))
@@ -70,21 +53,23 @@ def pose_message(pose: ArrayLike) -> Pose:
 def odometry(message: OdometryMsg) -> Odometry:
     """Odometry of the core; not finite where the message is not."""
     twist = message.twist.twist
-    pose = planar_pose(matrix(message.pose.pose))
+    pose = planar_pose(matrix_of_pose(message.pose.pose))
     return Odometry(message.header.stamp.to_sec(), pose, twist.linear.x, twist.angular.z)
 
 
 def hypotheses(message: MarkerDetectionArray) -> list[Hypothesis]:
     """The dock's possible poses in one image."""
     return [
-        Hypothesis(matrix(seen.pose.pose), np.reshape(np.array(seen.pose.covariance, dtype=float), (6, 6)), seen.weight)
+        Hypothesis(
+            matrix_of_pose(seen.pose.pose), np.reshape(np.array(seen.pose.covariance, dtype=float), (6, 6)), seen.weight
+        )
         for seen in message.dock
     ]
 
 
 def marker_sights(message: MarkerDetectionArray) -> list[MarkerSight]:
     """The single markers of one image."""
-    return [MarkerSight(seen.id, matrix(seen.pose.pose)) for seen in message.markers]
+    return [MarkerSight(seen.id, matrix_of_pose(seen.pose.pose)) for seen in message.markers]
 
 
 def twist(v: float, omega: float) -> Twist:
@@ -206,15 +191,3 @@ def undock_result(result: Result) -> UndockResult:
         result_text=result.text,
         undocking_time=result.duration,
     )
-
-
-def transform_matrix(message: Transform) -> Array:
-    """4x4 transform of a transform message."""
-    pose = Pose()
-    pose.position.x, pose.position.y, pose.position.z = (
-        message.translation.x,
-        message.translation.y,
-        message.translation.z,
-    )
-    pose.orientation = message.rotation
-    return matrix(pose)

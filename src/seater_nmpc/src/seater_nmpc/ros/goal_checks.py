@@ -9,7 +9,7 @@ import tf2_ros
 from numpy.typing import NDArray
 
 from seater_common.geometry import planar_pose
-from seater_nmpc.ros import conversions
+from seater_common.messages import matrix_of_pose, matrix_of_transform
 from seater_nmpc.ros.goals import valid_timeout
 from seater_nmpc.sequence.results import ResultCode
 
@@ -46,8 +46,8 @@ def check_goal(
 
 def _prior(stamped: Any, transforms: tf2_ros.Buffer, odom_frame: str) -> NDArray[np.float64]:
     """The goal's dock pose in odom, by TF at the stamp that it carries."""
-    T = conversions.matrix(stamped.pose)
+    T = matrix_of_pose(stamped.pose)
     if not np.all(np.isfinite(T)):
         raise ValueError("is not finite, or its quaternion is no rotation")
     found = transforms.lookup_transform(odom_frame, stamped.header.frame_id, stamped.header.stamp).transform
-    return planar_pose(conversions.transform_matrix(found) @ T)
+    return planar_pose(matrix_of_transform(found) @ T)

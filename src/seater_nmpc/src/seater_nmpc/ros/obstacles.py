@@ -8,9 +8,9 @@ import tf2_ros
 from geometry_msgs.msg import Polygon
 from numpy.typing import ArrayLike, NDArray
 
+from seater_common.messages import matrix_of_transform
 from seater_msgs.msg import ObstacleArray
 from seater_nmpc.plan.obstacles import ObstacleMemory, usable_outlines
-from seater_nmpc.ros import conversions
 
 Array = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ class Obstacles:
             except tf2_ros.TransformException as error:
                 rospy.logwarn_throttle(_WARNING_PERIOD, "obstacles in %r not used yet: %s", header.frame_id, error)
                 return
-            T = conversions.transform_matrix(found.transform)
+            T = matrix_of_transform(found.transform)
         self._waiting = None
         outlines, complaints = usable_outlines(_corners(polygon, T) for polygon in message.polygons)
         if complaints:

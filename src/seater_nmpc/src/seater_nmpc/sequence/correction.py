@@ -50,7 +50,7 @@ def judge(error: Array, moves: int, parameters: SequenceParameters, *, turn: boo
     beyond = error[0] > 0.0  # driving back would turn the castors round: only where it must be
     if y > p.release_position or heading > _LARGEST_TURN:
         return Verdict.AGAIN
-    # Castors that a turn has swung out push on the same way when it drives on; on a slope it rolls with each move.
+    # Castors that a turn has swung out push on the same way when it drives on; on a slope the chair rolls on.
     off = error[0] < -p.hold_position or error[0] > p.release_position
     if turn and moves < p.max_moves and heading > p.hold_heading and not (off and move and moves > 0):
         return Verdict.TURN

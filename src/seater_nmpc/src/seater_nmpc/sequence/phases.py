@@ -180,7 +180,7 @@ class Phases:
         """Plan and count standing anew."""
         self._back_off: Array | None = None  # where the chair backs off to
         self._back_off_until = 0.0
-        self._standstill = Standstill(self._parameters, self.now)
+        self.stand_patiently()
         self._navigator.restart()
 
     def _look(self, chair: Instant) -> Array:

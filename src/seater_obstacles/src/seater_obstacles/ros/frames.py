@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from std_msgs.msg import Header
 
 from seater_common.geometry import planar_pose
-from seater_obstacles.ros.messages import matrix
+from seater_common.messages import matrix_of_transform
+from seater_nmpc.ros.transforms import TransformBuffer
 
 Array = NDArray[np.float64]
 
@@ -44,7 +45,7 @@ class Where:
 
     def __init__(self, frames: Frames, lock_step: bool) -> None:
         self._frames, self._lock_step = frames, lock_step
-        self._tf = tf2_ros.Buffer()
+        self._tf = TransformBuffer()
         self._listener = tf2_ros.TransformListener(self._tf)
 
     def at(self, header: Header) -> Places:
@@ -58,7 +59,7 @@ class Where:
         end = time.monotonic() + PATIENCE
         while True:
             try:
-                return matrix(self._tf.lookup_transform(target, source, stamp).transform)
+                return matrix_of_transform(self._tf.lookup_transform(target, source, stamp).transform)
             except tf2_ros.TransformException:
                 if time.monotonic() >= end or rospy.is_shutdown():
                     raise
@@ -70,7 +71,7 @@ class Where:
         for at in [*times, rospy.Time()]:
             try:
                 return planar_pose(
-                    matrix(self._tf.lookup_transform(self._frames.odom, self._frames.dock, at).transform)
+                    matrix_of_transform(self._tf.lookup_transform(self._frames.odom, self._frames.dock, at).transform)
                 )
             except tf2_ros.TransformException:
                 continue

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from geometry_msgs.msg import Point32, Polygon, Transform
+from geometry_msgs.msg import Point32, Polygon
 from numpy.typing import NDArray
 from sensor_msgs.msg import Image, PointCloud2, PointField
 from std_msgs.msg import Header
 
-from seater_common.geometry import rotation_matrix
 from seater_msgs.msg import ObstacleArray, ObstaclePoints
 from seater_obstacles.finder import Found
 
@@ -16,14 +15,6 @@ Array = NDArray[np.float64]
 
 _PIXELS = {"32FC1": np.float32, "16UC1": np.uint16, "mono16": np.uint16}
 _NUMBERS = {PointField.FLOAT32: "f4", PointField.FLOAT64: "f8"}
-
-
-def matrix(transform: Transform) -> Array:
-    """4x4 of a transform message."""
-    T, t, q = np.eye(4), transform.translation, transform.rotation
-    T[:3, :3] = rotation_matrix(q.x, q.y, q.z, q.w)
-    T[:3, 3] = t.x, t.y, t.z
-    return T
 
 
 def depth_pixels(message: Image) -> NDArray[np.generic]:

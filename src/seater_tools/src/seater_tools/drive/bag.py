@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.camera_model import CameraModel
-from seater_common.geometry import planar_pose, rotation_matrix
+from seater_common.geometry import planar_pose
+from seater_common.messages import matrix_of_pose
 from seater_common.params import ParameterError
 from seater_tools.drive.drive import Drive, DriveError
 from seater_tools.drive.gather import Gatherer
@@ -53,7 +54,7 @@ def read_bag(path: Path, topics: Topics, camera: CameraModel | None) -> tuple[Dr
 
 def take_odometry(gatherer: Gatherer, message: Any) -> None:
     """A nav_msgs/Odometry."""
-    gatherer.odometry(message.header.stamp.to_sec(), planar_pose(matrix_of(message.pose.pose)))
+    gatherer.odometry(message.header.stamp.to_sec(), planar_pose(matrix_of_pose(message.pose.pose)))
 
 
 def take_detections(gatherer: Gatherer, message: Any) -> None:
@@ -61,7 +62,7 @@ def take_detections(gatherer: Gatherer, message: Any) -> None:
     for marker in message.markers:
         corners = np.array([[corner.x, corner.y] for corner in marker.corners])
         covariance = np.reshape(np.array(marker.pose.covariance, dtype=float), (6, 6))
-        T = matrix_of(marker.pose.pose)
+        T = matrix_of_pose(marker.pose.pose)
         gatherer.pose(message.header.stamp.to_sec(), marker.id, marker.size, corners, T, covariance)
 
 
@@ -72,18 +73,6 @@ def camera_of(message: Any) -> CameraModel:
     for key, data in (("camera_matrix", message.K), ("distortion_coefficients", message.D)):
         values[key] = {"data": [float(value) for value in data]}
     return CameraModel.from_mapping(values, "camera_info")
-
-
-def matrix_of(pose: Any) -> Array:
-    """4x4 of a geometry_msgs/Pose; NaN when its quaternion is no rotation."""
-    q = np.array([pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w])
-    norm = float(np.linalg.norm(q))
-    if not 0.9 < norm < 1.1:
-        return np.full((4, 4), np.nan)
-    T = np.eye(4)
-    T[:3, :3] = rotation_matrix(*(q / norm))
-    T[:3, 3] = [pose.position.x, pose.position.y, pose.position.z]
-    return T
 
 
 def _camera(bag: Any, topic: str | None, path: Path, topics: Topics) -> CameraModel:

@@ -18,9 +18,9 @@ from nav_msgs.msg import Odometry
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from seater_common.geometry import Chair, Dock, planar_pose
+from seater_common.messages import matrix_of_pose
 from seater_common.params import ParameterError, load, read_yaml
 from seater_msgs.msg import MarkerDetectionArray
-from seater_tools.drive.bag import matrix_of
 from seater_tools.teach.dock import remarks, taught_text
 from seater_tools.teach.measure import Measurement, Standing, TeachError
 from seater_tools.teach.store import store
@@ -94,7 +94,7 @@ class TeachNode:
         return self.check()
 
     def _on_odometry(self, message: Odometry) -> None:
-        pose = planar_pose(matrix_of(message.pose.pose))
+        pose = planar_pose(matrix_of_pose(message.pose.pose))
         with self._lock:
             self._standing.odometry(message.header.stamp.to_sec(), pose)
 
@@ -106,7 +106,7 @@ class TeachNode:
         rotation = np.zeros((6, 6))
         rotation[:3, :3] = rotation[3:, 3:] = R
         covariance = rotation @ np.reshape(np.array(best.pose.covariance, dtype=float), (6, 6)) @ rotation.T
-        pose = planar_pose(self._T_base_optical @ matrix_of(best.pose.pose))
+        pose = planar_pose(self._T_base_optical @ matrix_of_pose(best.pose.pose))
         planar = covariance[np.ix_([0, 1, 5], [0, 1, 5])]
         with self._lock:
             self._standing.dock(message.header.stamp.to_sec(), pose, planar, best.weight)

@@ -1,0 +1,30 @@
+"""Transforms out of messages, here of anything with their fields."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from seater_common.messages import matrix_of_pose, matrix_of_transform
+
+
+def pose(quaternion: tuple[float, float, float, float]) -> SimpleNamespace:
+    x, y, z, w = quaternion
+    return SimpleNamespace(
+        position=SimpleNamespace(x=1.0, y=2.0, z=3.0), orientation=SimpleNamespace(x=x, y=y, z=z, w=w)
+    )
+
+
+def test_place_and_rotation_of_a_pose_and_of_a_transform() -> None:
+    """A quarter turn about z, whose quaternion is 5 % too long."""
+    given = pose((0.0, 0.0, 1.05 * math.sqrt(0.5), 1.05 * math.sqrt(0.5)))
+    expected = [[0.0, -1.0, 0.0, 1.0], [1.0, 0.0, 0.0, 2.0], [0.0, 0.0, 1.0, 3.0], [0.0, 0.0, 0.0, 1.0]]
+    assert matrix_of_pose(given) == pytest.approx(np.array(expected), abs=1e-12)
+    transform = SimpleNamespace(translation=given.position, rotation=given.orientation)
+    assert np.array_equal(matrix_of_transform(transform), matrix_of_pose(given))
+
+
+@pytest.mark.parametrize("quaternion", [(0.0,) * 4, (0.0, 0.0, 0.0, 2.0), (math.nan, 0.0, 0.0, 1.0)])
+def test_what_is_no_rotation_is_nan(quaternion) -> None:
+    assert np.isnan(matrix_of_pose(pose(quaternion))).all()
