@@ -1,7 +1,6 @@
 #include "image/image_noise.h"
 
-#include <algorithm>
-#include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <vector>
 
@@ -15,24 +14,38 @@ namespace {
 constexpr double kGain = 6.0, kMedian = 0.6745;
 constexpr int kSmallest = 5;  // [px]
 
+/// Whole numbers from 0 to `largest`, whose median is wanted.
+class Counts {
+ public:
+  explicit Counts(int largest) : counts_(static_cast<std::size_t>(largest) + 1, 0) {}
+
+  void add(int value) { ++counts_[static_cast<std::size_t>(value)], ++total_; }
+  bool empty() const { return total_ == 0; }
+  /// Of an even number, the upper one of the two in the middle.
+  int median() const {
+    int value = 0;
+    for (int below = counts_[0]; below <= total_ / 2; below += counts_[static_cast<std::size_t>(value)]) ++value;
+    return value;
+  }
+
+ private:
+  std::vector<int> counts_;
+  int total_ = 0;
+};
+
 template <typename Pixel>
 double noiseOf(const cv::Mat& grey, const cv::Rect& part) {
-  std::vector<float> responses;
-  responses.reserve(static_cast<std::size_t>(part.area()));
+  constexpr int kBrightest = std::numeric_limits<Pixel>::max();
+  Counts responses(8 * kBrightest);
   for (int y = part.y + 1; y + 1 < part.y + part.height; ++y) {
-    const Pixel* rows[] = {grey.ptr<Pixel>(y - 1), grey.ptr<Pixel>(y), grey.ptr<Pixel>(y + 1)};
-    const auto across = [](const Pixel* row, int x) {
-      return static_cast<float>(row[x - 1]) - 2.0F * static_cast<float>(row[x]) + static_cast<float>(row[x + 1]);
-    };
+    const Pixel *above = grey.ptr<Pixel>(y - 1), *row = grey.ptr<Pixel>(y), *below = grey.ptr<Pixel>(y + 1);
+    const auto down = [=](int x) { return above[x] - 2 * row[x] + below[x]; };
     for (int x = part.x + 1; x + 1 < part.x + part.width; ++x) {
-      if (rows[1][x] <= 1 || rows[1][x] + 1 >= std::numeric_limits<Pixel>::max()) continue;
-      responses.push_back(std::abs(across(rows[0], x) - 2.0F * across(rows[1], x) + across(rows[2], x)));
+      if (row[x] <= 1 || row[x] + 1 >= kBrightest) continue;
+      responses.add(std::abs(down(x - 1) - 2 * down(x) + down(x + 1)));
     }
   }
-  if (responses.empty()) return 0.0;
-  const auto middle = responses.begin() + static_cast<std::ptrdiff_t>(responses.size() / 2);
-  std::nth_element(responses.begin(), middle, responses.end());
-  return static_cast<double>(*middle) / (kGain * kMedian);
+  return responses.empty() ? 0.0 : responses.median() / (kGain * kMedian);
 }
 
 }  // namespace
