@@ -1,5 +1,6 @@
 #include "image/image_noise.h"
 
+#include <array>
 #include <cstdlib>
 #include <limits>
 #include <vector>
@@ -17,35 +18,51 @@ constexpr int kSmallest = 5;  // [px]
 /// Whole numbers from 0 to `largest`, whose median is wanted.
 class Counts {
  public:
-  explicit Counts(int largest) : counts_(static_cast<std::size_t>(largest) + 1, 0) {}
+  explicit Counts(int largest) : counts_(static_cast<std::size_t>(largest) + 1, {0, 0}) {}
 
-  void add(int value) { ++counts_[static_cast<std::size_t>(value)], ++total_; }
+  /// `k` counts them: neighbours are often equal, and by turns in two tables neither waits for the other.
+  void add(int value, int k) { ++counts_[static_cast<std::size_t>(value)][static_cast<std::size_t>(k % 2)], ++total_; }
   bool empty() const { return total_ == 0; }
   /// Of an even number, the upper one of the two in the middle.
   int median() const {
-    int value = 0;
-    for (int below = counts_[0]; below <= total_ / 2; below += counts_[static_cast<std::size_t>(value)]) ++value;
+    int value = -1;
+    for (int below = 0; below <= total_ / 2;) {
+      const auto& both = counts_[static_cast<std::size_t>(++value)];
+      below += both[0] + both[1];
+    }
     return value;
   }
 
  private:
-  std::vector<int> counts_;
+  std::vector<std::array<int, 2>> counts_;
   int total_ = 0;
 };
+
+/// |[1 -2 1] along both axes| of three rows, but for their first and last pixels.
+template <typename Pixel>
+void respond(const Pixel* above, const Pixel* row, const Pixel* below, int count, int* out) {
+  for (int x = 1; x + 1 < count; ++x) {
+    const int before = above[x - 1] - 2 * row[x - 1] + below[x - 1];
+    const int at = above[x] - 2 * row[x] + below[x];
+    const int after = above[x + 1] - 2 * row[x + 1] + below[x + 1];
+    out[x] = std::abs(before - 2 * at + after);
+  }
+}
 
 template <typename Pixel>
 double noiseOf(const cv::Mat& grey, const cv::Rect& part) {
   constexpr int kBrightest = std::numeric_limits<Pixel>::max();
-  Counts responses(8 * kBrightest);
+  Counts counts(8 * kBrightest);
+  std::vector<int> responses(static_cast<std::size_t>(part.width));
   for (int y = part.y + 1; y + 1 < part.y + part.height; ++y) {
-    const Pixel *above = grey.ptr<Pixel>(y - 1), *row = grey.ptr<Pixel>(y), *below = grey.ptr<Pixel>(y + 1);
-    const auto down = [=](int x) { return above[x] - 2 * row[x] + below[x]; };
-    for (int x = part.x + 1; x + 1 < part.x + part.width; ++x) {
-      if (row[x] <= 1 || row[x] + 1 >= kBrightest) continue;
-      responses.add(std::abs(down(x - 1) - 2 * down(x) + down(x + 1)));
+    const auto rowAt = [&](int v) { return grey.ptr<Pixel>(v) + part.x; };
+    const Pixel* row = rowAt(y);
+    respond(rowAt(y - 1), row, rowAt(y + 1), part.width, responses.data());
+    for (int x = 1; x + 1 < part.width; ++x) {
+      if (row[x] > 1 && row[x] + 1 < kBrightest) counts.add(responses[static_cast<std::size_t>(x)], x);
     }
   }
-  return responses.empty() ? 0.0 : responses.median() / (kGain * kMedian);
+  return counts.empty() ? 0.0 : counts.median() / (kGain * kMedian);
 }
 
 }  // namespace

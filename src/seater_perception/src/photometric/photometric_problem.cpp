@@ -98,11 +98,18 @@ bool PhotometricProblem::evaluateMarker(std::size_t m, const Weighing& weighing,
   return true;
 }
 
-/// A block counts as all its pixels, but is an outlier when its mean is one.
+/// A block counts as all its pixels, but is an outlier when its mean is one. There are thousands: all five unknowns are
+/// summed up in loops of known length, and those that the fit has are kept.
 void PhotometricProblem::addBlocks(std::size_t m, const Brightness& b, const Weighing& weighing,
                                    double sum[kColumns][kColumns], Buffers& out) const {
-  const int first = 6 + psf_;
+  constexpr int kOwn = 6;  // offset, gain, slopes, rim; residual
   const double sd = std::min(weighing.scale, 0.02 * (weighing.range.high - weighing.range.low));
+  const auto place = [this](int i) { return 6 + psf_ + (i + 1 < kOwn ? i : brightness_); };
+  const auto used = [this](int i) { return i < brightness_ || i + 1 == kOwn; };
+  double H[kOwn][kOwn] = {};
+  for (int i = 0; i < kOwn; ++i) {
+    for (int j = i; j < kOwn; ++j) H[i][j] = used(i) && used(j) ? sum[place(i)][place(j)] : 0.0;
+  }
   for (const FlatBlock& block : (*samples_)[m].blocks) {
     const double light = 1.0 + b.slope_u * block.pu + b.slope_v * block.pv, base = b.offset + b.gain * block.white;
     double pass = 1.0;
@@ -111,10 +118,15 @@ void PhotometricProblem::addBlocks(std::size_t m, const Brightness& b, const Wei
     const double a = std::abs(r) / weighing.scale, u = std::min(1.0, a / weighing.tukey);
     const double tukey = (1.0 - u * u) * (1.0 - u * u), huber = a < kHuber ? 1.0 : kHuber / a;
     const double w = block.count * (weighing.loss == RobustLoss::tukey ? tukey : huber);
-    double J[6] = {pass * light, pass * light * block.white, pass * base * block.pu, pass * base * block.pv, 0.0, r};
-    J[brightness_] = r;
-    for (int i = 0; i <= brightness_; ++i) {
-      for (int j = i; j <= brightness_; ++j) sum[first + i][first + j] += w * J[i] * J[j];
+    const double J[kOwn] = {
+        pass * light, pass * light * block.white, pass * base * block.pu, pass * base * block.pv, 0.0, r};
+    for (int i = 0; i < kOwn; ++i) {
+      for (int j = i; j < kOwn; ++j) H[i][j] += w * J[i] * J[j];
+    }
+  }
+  for (int i = 0; i < kOwn; ++i) {
+    for (int j = i; j < kOwn; ++j) {
+      if (used(i) && used(j)) sum[place(i)][place(j)] = H[i][j];
     }
   }
 }

@@ -108,6 +108,7 @@ PixelWalk::Kind PixelWalk::kindOf(const Tile& t, double radius) const {
 /// Whether all cells that this rectangle touches have one colour.
 bool PixelWalk::uniform(float x, float y, float wx, float wy) const {
   const int c0 = index(x - wx), c1 = index(x + wx), r0 = index(y - wy), r1 = index(y + wy);
+  if (c0 == c1 && r0 == r1) return true;  // of most pixels
   const char colour = cells_[static_cast<std::size_t>(r0 * side_ + c0)];
   for (int r = r0; r <= r1; ++r) {
     for (int c = c0; c <= c1; ++c) {
