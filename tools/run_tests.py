@@ -3,8 +3,9 @@
 
 Every test is registered with CMake by the package that it belongs to (gtest, pytest, rostest, evaluation, lint,
 install), so `ctest --test-dir build` runs the same. This program chooses, shows progress, and sums the cases of all
-JUnit files. Checks share the cores; what measures time or lives by the clock on the wall runs alone (RUN_SERIAL).
-Output of each test: build/Testing/Temporary/LastTest.log; JUnit files and figures: build/test_results.
+JUnit files. Checks share the cores; what needs all of them at the pace of the clock on the wall runs alone
+(RUN_SERIAL). Output of each test: build/Testing/Temporary/LastTest.log; JUnit files and figures:
+build/test_results.
 """
 
 from __future__ import annotations
