@@ -17,6 +17,10 @@ FILES = Files.read(CONFIG)
 # In front of the bay: every phase of a docking in few images.
 NEAR = {"x": [-1.4, -1.1], "y": [-0.2, 0.2], "heading": [-8.0, 8.0]}
 
+# Images are most of a run's computing time: an axis for what does not depend on their number.
+RATE = 10.0  # [Hz]
+FEW_IMAGES = {"few": {"simulator": {"camera": {"rate": RATE}}}}
+
 
 def load(name: str) -> dict[str, Any]:
     """A campaign of config/campaign that starts near."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 import yaml
-from campaign_plans import CONFIG, load
+from campaign_plans import CONFIG, FEW_IMAGES, load
 from mortal_jobs import square_or_die
 
 from seater_common.params import ParameterError
@@ -20,7 +20,8 @@ from seater_eval.campaign.processes import over_processes
 def run(folder: Path, *arguments: str) -> int:
     plan = folder / "plan" / "near.yaml"  # beside the results, of which `merge` takes only those of campaigns
     plan.parent.mkdir(parents=True, exist_ok=True)
-    plan.write_text(yaml.safe_dump(load("kinematic")))
+    near = load("kinematic")
+    plan.write_text(yaml.safe_dump({**near, "axes": {**near["axes"], "images": FEW_IMAGES}}))
     return main("", ["--config", str(CONFIG), "--results", str(folder), "--campaign", str(plan), *arguments])
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from campaign_plans import FILES, campaign, job
+from campaign_plans import FEW_IMAGES, FILES, RATE, campaign, job
 
 import seater_safety
 from seater_common.geometry import Chair
@@ -31,14 +31,15 @@ def started_at(work: CampaignJob) -> list[float]:
 
 
 def test_a_case_docks_out_of_images_and_comes_out_the_same_again() -> None:
-    made = campaign(plant={"kinematic": {"simulator": {"plant": {"kinematic": {"lag_v": {"between": [0.05, 0.15]}}}}}})
+    plant = {"kinematic": {"simulator": {"plant": {"kinematic": {"lag_v": {"between": [0.05, 0.15]}}}}}}
+    made = campaign(plant=plant, images=FEW_IMAGES)
     first = run_case(replace(job(made), bound=True))
     assert 1.0 <= first.pop("time_ratio") < 2.5 and first.pop("minimum_time_s") <= first["arrival_time_s"]
     assert first["arrival_time_s"] <= first["docking_time_s"]
     assert first["docked"] and first["result"] == "SUCCESS" and first["contact"], first["text"]
     assert first["position_error_m"] < 0.005 and not first["touched"]
-    # 30 images per second of simulated time, of which those after the result are not drawn
-    assert first["images"] == pytest.approx(30.0 * first["docking_time_s"], abs=3.0)
+    # so many images per second of simulated time, of which those after the result are not drawn
+    assert first["images"] == pytest.approx(RATE * first["docking_time_s"], abs=1.5)
     assert first["images_with_markers"] > 0.95 * first["images"]
     assert started_at(job(made)) == first["start"] != started_at(job(made, index=1))
     again, started = docking_row(job(made))
@@ -103,7 +104,7 @@ def test_a_start_that_does_not_exist_is_said() -> None:
 def test_a_wrongly_mounted_camera_ends_beside_the_dock() -> None:
     """The simulated chair's camera looks 2 degrees to the left of what the controller is told. One attempt."""
     turned = {"simulated_chair": {"camera": {"yaw": math.radians(2.0)}}, "controller": {"sequence": {"max_retries": 0}}}
-    row = run_case(job(campaign(mount={"turned": turned})))
+    row = run_case(job(campaign(mount={"turned": turned}, images=FEW_IMAGES)))
     assert not row["docked"] and row["at_rest"]
     assert abs(row["heading_error_deg"] + 2.0) < 0.5 or row["result"] != "SUCCESS"
 
