@@ -4,8 +4,8 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "pose/marker_pose.h"
@@ -13,19 +13,17 @@
 namespace seater_perception {
 namespace {
 
-/// From the square -1 .. 1 to the image; `seen` are the images of (-1, 1), (1, 1), (1, -1), (-1, -1).
+/// From the square -1 .. 1 to the image; `seen` are the images of (-1, 1), (1, 1), (1, -1), (-1, -1). An affine
+/// function on the square has corners whose alternating sum vanishes; that of the homogeneous corners w (u, v, 1) gives
+/// the last row of H, w = g x + h y + 1 (P. Heckbert, "Fundamentals of texture mapping and image warping", 1989).
 bool homography(const std::vector<Eigen::Vector2d>& seen, Eigen::Matrix3d& H) {
-  static const double x[] = {-1.0, 1.0, 1.0, -1.0}, y[] = {1.0, 1.0, -1.0, -1.0};
-  Eigen::Matrix<double, 8, 8> A = Eigen::Matrix<double, 8, 8>::Zero();
-  Eigen::Matrix<double, 8, 1> b;
-  for (int i = 0; i < 4; ++i) {
-    const Eigen::Vector2d& p = seen[static_cast<std::size_t>(i)];
-    A.row(2 * i) << x[i], y[i], 1.0, 0.0, 0.0, 0.0, -p.x() * x[i], -p.x() * y[i];
-    A.row(2 * i + 1) << 0.0, 0.0, 0.0, x[i], y[i], 1.0, -p.y() * x[i], -p.y() * y[i];
-    b.segment<2>(2 * i) = p;
-  }
-  const Eigen::Matrix<double, 8, 1> h = A.partialPivLu().solve(b);
-  H << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1.0;
+  const Eigen::Vector2d &a = seen[0], &b = seen[1], &c = seen[2], &d = seen[3];
+  Eigen::Matrix2d M;
+  M << c + d - a - b, a + d - b - c;
+  const Eigen::Vector2d last = M.inverse() * (b + d - a - c);
+  const double g = last.x(), h = last.y();
+  const Eigen::Vector2d p = (1.0 - g + h) * a, q = (1.0 + g + h) * b, r = (1.0 + g - h) * c, s = (1.0 - g - h) * d;
+  H << 0.25 * (q + r - p - s), 0.25 * (p + q - r - s), 0.25 * (p + q + r + s), g, h, 1.0;
   return H.allFinite();
 }
 
@@ -38,19 +36,26 @@ Eigen::Matrix3d fromOpticalAxis(const Eigen::Vector3d& d) {
   return R;
 }
 
-/// Translation that fits best to the corners under a rotation, in the least squares of x - z u.
+/// Translation t that fits best to the corners p under a rotation, in the least squares of x - z u. From the mean of
+/// the corners, t_x - u t_z = u p_z - p_x leaves t_z alone.
 Eigen::Vector3d translation(const Correspondences& corners, const Eigen::Matrix3d& R) {
-  Eigen::Matrix<double, 8, 3> A;
-  Eigen::Matrix<double, 8, 1> b;
+  std::array<Eigen::Vector2d, 4> right;
+  Eigen::Vector2d mean_seen = Eigen::Vector2d::Zero(), mean_right = Eigen::Vector2d::Zero();
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d p = R * corners.object[i];
-    for (int k = 0; k < 2; ++k) {
-      const int row = static_cast<int>(2 * i) + k;
-      A.row(row) << (k == 0 ? 1.0 : 0.0), (k == 1 ? 1.0 : 0.0), -corners.normalised[i][k];
-      b[row] = corners.normalised[i][k] * p.z() - p[k];
-    }
+    right[i] = p.z() * corners.normalised[i] - p.head<2>();
+    mean_seen += 0.25 * corners.normalised[i];
+    mean_right += 0.25 * right[i];
   }
-  return A.colPivHouseholderQr().solve(b);
+  double products = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d seen = corners.normalised[i] - mean_seen;
+    products += seen.dot(right[i] - mean_right);
+    squares += seen.squaredNorm();
+  }
+  const double z = -products / squares;
+  const Eigen::Vector2d xy = mean_right + z * mean_seen;
+  return {xy.x(), xy.y(), z};
 }
 
 double squaredError(const Correspondences& corners, const Eigen::Isometry3d& pose) {
