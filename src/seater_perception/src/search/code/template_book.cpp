@@ -18,6 +18,20 @@ std::map<int, MarkerPattern> patternsOf(const MarkerFamily& family, const std::s
   return patterns;
 }
 
+/// What the quadrilateral shows, as the print would stand upright in it; `along` points a side.
+Eigen::VectorXf turned(const Eigen::VectorXf& samples, int along, int turn) {
+  Eigen::VectorXf upright(samples.size());
+  const int last = along - 1;
+  for (int row = 0, i = 0; row < along; ++row) {
+    for (int column = 0; column < along; ++column, ++i) {
+      const int r[] = {row, column, last - row, last - column};
+      const int c[] = {column, last - row, last - column, row};
+      upright[r[turn] * along + c[turn]] = samples[i];
+    }
+  }
+  return upright;
+}
+
 }  // namespace
 
 TemplateBook::TemplateBook(const MarkerFamily& family, const std::set<int>& ids)
@@ -39,21 +53,9 @@ const PatternTemplate& TemplateBook::of(int id, int level) const {
 const Eigen::MatrixXf& TemplateBook::codes(int level) const {
   Eigen::MatrixXf& codes = codes_[static_cast<std::size_t>(level)];
   if (codes.cols() > 0) return codes;
-  codes.resize(grid_.size(), 4 * static_cast<Eigen::Index>(patterns_.size()));
-  const int n = grid_.along();
+  codes.resize(grid_.size(), static_cast<Eigen::Index>(patterns_.size()));
   Eigen::Index k = 0;
-  for (const auto& [id, pattern] : patterns_) {
-    const Eigen::VectorXf values = of(id, level).values();
-    for (int turn = 0; turn < 4; ++turn, ++k) {
-      for (int row = 0, i = 0; row < n; ++row) {
-        for (int column = 0; column < n; ++column, ++i) {
-          const int r[] = {row, column, n - 1 - row, n - 1 - column};
-          const int c[] = {column, n - 1 - row, n - 1 - column, row};
-          codes(i, k) = values[r[turn] * n + c[turn]];
-        }
-      }
-    }
-  }
+  for (const auto& [id, pattern] : patterns_) codes.col(k++) = of(id, level).values();
   codes -= light_ * (light_.transpose() * codes).eval();
   codes.colwise().normalize();
   return codes;
@@ -71,8 +73,15 @@ std::vector<TemplateBook::Candidate> TemplateBook::compare(const ImageLevels::Sa
   const float length = rest.norm();
   if (!(length > 0.0f) || !std::isfinite(length)) return best;
   const Eigen::MatrixXf& known = codes(level);
-  Eigen::VectorXf all(known.cols());
-  columnDots(known.data(), static_cast<int>(known.rows()), static_cast<int>(known.cols()), rest.data(), all.data());
+  const Eigen::Index ids = known.cols();
+  // The light's slopes turn with the samples, so these are turned and not the codes: the table of a big dictionary is a
+  // quarter, and stays in the processor's cache.
+  Eigen::VectorXf all(4 * ids);
+  for (int turn = 0; turn < 4; ++turn) {
+    const Eigen::VectorXf upright = turned(rest, grid_.along(), turn);
+    columnDots(known.data(), static_cast<int>(known.rows()), static_cast<int>(ids), upright.data(),
+               all.data() + turn * ids);
+  }
   all /= length;
   std::vector<int> order(static_cast<std::size_t>(all.size()));
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
@@ -81,8 +90,8 @@ std::vector<TemplateBook::Candidate> TemplateBook::compare(const ImageLevels::Sa
                     [&](int a, int b) { return all[a] > all[b]; });
   for (std::size_t i = 0; i < count; ++i) {
     auto entry = patterns_.begin();
-    std::advance(entry, order[i] / 4);
-    best.push_back({entry->first, order[i] % 4, all[order[i]]});
+    std::advance(entry, order[i] % ids);
+    best.push_back({entry->first, static_cast<int>(order[i] / ids), all[order[i]]});
   }
   return best;
 }

@@ -42,7 +42,7 @@ class TemplateBook {
   std::map<int, MarkerPattern> patterns_;
   PatternGrid grid_;
   mutable std::map<std::pair<int, int>, std::unique_ptr<PatternTemplate>> templates_;
-  mutable std::array<Eigen::MatrixXf, kTemplateSd.size()> codes_;  // a column for each id and turn, unit length
+  mutable std::array<Eigen::MatrixXf, kTemplateSd.size()> codes_;  // a column for each id, unit length
   Eigen::Matrix<float, Eigen::Dynamic, 3> light_;                  // orthonormal: offset and slopes
 };
 
