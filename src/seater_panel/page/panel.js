@@ -1,0 +1,94 @@
+// Puts what the server says on the page.
+import { Buttons } from "./buttons.js";
+import { Link, showImages } from "./link.js";
+import { Scene } from "./scene.js";
+
+const $ = (id) => document.getElementById(id);
+const GATE = {
+  STOPPED: ["stands", ""], REQUEST: ["drives", "good"], USER: ["joystick", "warn"], STALE: ["braking", "warn"],
+  REFUSED: ["braking", "bad"], EMERGENCY_STOP: ["emergency stop", "bad"], FAULT: ["fault", "bad"],
+  RUNAWAY: ["motors off", "bad"], WRONG_DIRECTION: ["motors off", "bad"], OBSTACLE: ["obstacle", "warn"],
+};
+const LINK = {
+  open: ["connected", "good"], lost: ["no connection", "bad"], token: ["wrong token", "bad"], full: ["too many pages", "bad"],
+};
+
+// The token comes behind the # of the address, which is sent nowhere; it is kept for a reload of this tab.
+function takeToken() {
+  const given = new URLSearchParams(location.hash.slice(1)).get("token");
+  if (given) {
+    sessionStorage.setItem("token", given);
+    history.replaceState(null, "", location.pathname);
+  }
+  return given || sessionStorage.getItem("token");
+}
+
+function badge(id, [text, kind]) {
+  $(id).textContent = text;
+  $(id).className = `badge ${kind}`;
+}
+
+function notice(text) {
+  $("notice").textContent = text;
+  $("notice").hidden = !text;
+}
+
+const known = (value, digits, unit) => value === null ? "–" : `${value.toFixed(digits)} ${unit}`;
+
+function show(view) {
+  $("dock").textContent = view.dock;
+  $("title").textContent = view.title;
+  $("reason").textContent = view.reason;
+  const [, kind] = GATE[view.gate] || ["", "bad"];
+  const result = view.result;
+  const ended = !view.active && result && kind !== "bad" ? (result.success ? "good" : "warn") : "";
+  $("state").className = kind === "bad" || kind === "warn" ? kind : ended;
+  badge("gate", GATE[view.gate] || ["gate silent", "bad"]);
+  $("distance").textContent = known(view.distance, 2, "m");
+  $("speed").textContent = known(view.speed === null ? null : Math.abs(view.speed), 2, "m/s");
+  $("elapsed").textContent = known(view.elapsed, 0, "s");
+  $("result").textContent = result && !view.active ? lastResult(result) : "";
+  $("no-image").hidden = view.image;
+  $("frame").textContent = view.scene.frame === "dock" ? "" : "the dock has not been seen yet";
+  scene.draw(view.scene);
+}
+
+function lastResult({ action, code, name, error, age }) {
+  const off = error ? ` · ${error.distance.toFixed(1)} mm, ${Math.abs(error.heading).toFixed(2)}° off` : "";
+  const ago = age < 60 ? `${Math.round(age)} s` : `${Math.round(age / 60)} min`;
+  return `Last ${action}: ${name} (${code})${off} · ${ago} ago`;
+}
+
+function linkState(state) {
+  document.body.dataset.link = state;
+  badge("link", LINK[state]);
+  if (state === "open") return;
+  buttons.lost();
+  for (const button of holds) button.disabled = true;
+  $("state").className = "bad";
+  $("title").textContent = state === "token" ? "No access" : "No connection";
+  $("reason").textContent = state === "token"
+    ? "Open the address with the token that the terminal shows."
+    : "The chair drives only while a connected button is held.";
+}
+
+const token = takeToken();
+const scene = new Scene($("scene"));
+const holds = [...document.querySelectorAll("button.hold")];
+for (const button of holds) button.disabled = true;
+let link = null;
+const buttons = new Buttons(holds, $("stop"), { send: (message) => Boolean(link && link.send(message)), notice });
+
+function onMessage({ view, hold }) {
+  document.body.classList.toggle("view-only", !hold.buttons);
+  for (const button of holds) button.disabled = hold.holder === "somebody";
+  buttons.take(hold);
+  if (view) show(view);
+}
+
+if (token) {
+  link = new Link(token, { answer: () => buttons.answer(), onMessage, onState: linkState });
+  showImages(token, $("image"));
+} else {
+  linkState("token");
+}

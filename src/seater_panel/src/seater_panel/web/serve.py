@@ -1,0 +1,52 @@
+"""The web server in a thread of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from types import TracebackType
+
+from aiohttp import web
+
+STARTS_WITHIN = 10.0  # [s]
+
+
+class Serving:
+    """`with Serving(application, address, port) as serving:` - the port is open inside, and closed after it.
+
+    Raises OSError: the address or port cannot be had.
+    """
+
+    def __init__(self, application: web.Application, address: str, port: int) -> None:
+        """`port` 0: any that is free, see `port`."""
+        self._application, self._address, self.port = application, address, port
+        self._loop = asyncio.new_event_loop()
+        self._runner: web.AppRunner | None = None
+        self._thread = threading.Thread(target=self._loop.run_forever, name="web", daemon=True)
+
+    def __enter__(self) -> Serving:
+        self._thread.start()
+        try:
+            asyncio.run_coroutine_threadsafe(self._start(), self._loop).result(STARTS_WITHIN)
+        except BaseException:
+            self._end()
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._end()
+
+    async def _start(self) -> None:
+        self._runner = web.AppRunner(self._application, access_log=None)
+        await self._runner.setup()
+        site = web.TCPSite(self._runner, self._address, self.port, shutdown_timeout=1.0)
+        await site.start()
+        self.port = self._runner.addresses[0][1]
+
+    def _end(self) -> None:
+        if self._runner is not None:
+            asyncio.run_coroutine_threadsafe(self._runner.cleanup(), self._loop).result(STARTS_WITHIN)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(STARTS_WITHIN)

@@ -1,0 +1,152 @@
+"""A real browser without a screen, driven by the protocol of its developer tools (CDP) over a WebSocket."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import itertools
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import aiohttp
+
+PROGRAM = shutil.which("chromium-headless-shell")
+STARTS_WITHIN = 30.0  # [s]
+
+
+class BrowserError(RuntimeError):
+    """The browser, or the script that it was given, failed."""
+
+
+class Page:
+    """One page. Points are in CSS pixels."""
+
+    def __init__(self, socket: aiohttp.ClientWebSocketResponse) -> None:
+        self._socket, self._numbers = socket, itertools.count(1)
+        self._answers: dict[int, asyncio.Future[Any]] = {}
+        self.errors: list[str] = []  # of the page's scripts, and of its policy
+        self._reader = asyncio.create_task(self._read())
+
+    async def call(self, method: str, **parameters: Any) -> Any:
+        number = next(self._numbers)
+        self._answers[number] = asyncio.get_running_loop().create_future()
+        await self._socket.send_json({"id": number, "method": method, "params": parameters})
+        return await asyncio.wait_for(self._answers[number], 20.0)
+
+    async def begin(
+        self, width: int, height: int, *, scale: float = 1.0, touch: bool = False, dark: bool = True
+    ) -> None:
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            await self.call(f"{domain}.enable")
+        await self.call(
+            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale, mobile=touch
+        )
+        await self.call("Emulation.setTouchEmulationEnabled", enabled=touch)
+        scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+        await self.call("Emulation.setEmulatedMedia", features=[scheme])
+
+    async def open(self, url: str) -> None:
+        await self.call("Page.navigate", url=url)
+        await self.until("document.readyState === 'complete' && location.href !== 'about:blank'")
+
+    async def value(self, expression: str) -> Any:
+        answer = await self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
+        if "exceptionDetails" in answer:
+            raise BrowserError(str(answer["exceptionDetails"]))
+        return answer["result"].get("value")
+
+    async def until(self, expression: str, patience: float = 20.0) -> None:
+        """Waits until the expression is true on the page."""
+        end = time.monotonic() + patience
+        while not await self.value(f"Boolean({expression})"):
+            if time.monotonic() > end:
+                raise BrowserError(f"not within {patience:.0f} s: {expression}")
+            await asyncio.sleep(0.02)
+
+    async def middle(self, selector: str) -> tuple[float, float]:
+        box = f"document.querySelector({json.dumps(selector)}).getBoundingClientRect()"
+        x, y = await self.value(f"(b => [b.x + b.width / 2, b.y + b.height / 2])({box})")
+        return float(x), float(y)
+
+    async def finger_down(self, selector: str) -> None:
+        x, y = await self.middle(selector)
+        await self.call("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y, "id": 1}])
+
+    async def finger_moves(self, x: float, y: float) -> None:
+        await self.call("Input.dispatchTouchEvent", type="touchMove", touchPoints=[{"x": x, "y": y, "id": 1}])
+
+    async def finger_up(self) -> None:
+        await self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+
+    async def key(self, kind: str, key: str) -> None:
+        """`kind`: keyDown or keyUp."""
+        code = {" ": "Space"}.get(key, key)
+        await self.call("Input.dispatchKeyEvent", type=kind, key=key, code=code)
+
+    async def screenshot(self, file: Path) -> None:
+        answer = await self.call("Page.captureScreenshot", format="png")
+        file.write_bytes(base64.b64decode(answer["data"]))
+
+    async def _read(self) -> None:
+        async for message in self._socket:
+            content = json.loads(message.data)
+            if "id" in content:
+                self._answer(content)
+            elif content["method"] == "Runtime.exceptionThrown":
+                self.errors.append(str(content["params"]["exceptionDetails"]))
+            elif content["method"] == "Log.entryAdded" and content["params"]["entry"]["source"] == "security":
+                self.errors.append(content["params"]["entry"]["text"])
+
+    def _answer(self, content: dict[str, Any]) -> None:
+        waiting = self._answers.pop(content["id"])
+        if waiting.done():
+            return
+        if "error" in content:
+            waiting.set_exception(BrowserError(str(content["error"])))
+        else:
+            waiting.set_result(content["result"])
+
+
+@asynccontextmanager
+async def browser() -> AsyncIterator[Callable[[], Any]]:
+    """Gives a function that opens one more page; the browser ends with the context."""
+    assert PROGRAM is not None
+    with tempfile.TemporaryDirectory(prefix="seater_browser_", ignore_cleanup_errors=True) as folder:
+        words = [
+            PROGRAM,
+            "--remote-debugging-port=0",
+            f"--user-data-dir={folder}",
+            "--disable-gpu",
+            "--hide-scrollbars",
+        ]
+        words += ["--no-sandbox"] if os.getuid() == 0 else []
+        with subprocess.Popen([*words, "about:blank"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+            try:
+                port = await _port(Path(folder) / "DevToolsActivePort", process)
+                async with aiohttp.ClientSession() as session:
+
+                    async def page() -> Page:
+                        async with session.put(f"http://127.0.0.1:{port}/json/new?about:blank") as answer:
+                            target = await answer.json()
+                        return Page(await session.ws_connect(target["webSocketDebuggerUrl"], max_msg_size=1 << 26))
+
+                    yield page
+            finally:
+                process.terminate()
+
+
+async def _port(file: Path, process: subprocess.Popen[bytes]) -> int:
+    end = time.monotonic() + STARTS_WITHIN
+    while not file.exists() or not file.read_text().strip():
+        if process.poll() is not None or time.monotonic() > end:
+            raise BrowserError("the browser does not start")
+        await asyncio.sleep(0.05)
+    return int(file.read_text().split()[0])

@@ -1,0 +1,310 @@
+"""The web server over real connections: who gets in, who holds, and what a bad connection does."""
+
+import asyncio
+import socket
+import time
+from collections.abc import Awaitable, Callable
+
+import aiohttp
+import pytest
+from panels import PAGE, TOKEN, Client, FakePanel, until
+from yarl import URL
+
+from seater_panel.web import session
+from seater_panel.web.server import FILES, MOST_PAGES, TOO_MANY, WRONG_TOKEN
+
+RELEASE = 0.3  # [s] the bar: from a lost connection to "let go"
+Test = Callable[[FakePanel, aiohttp.ClientSession, str], Awaitable[None]]
+
+
+def run(test: Test, timeout: float = 0.22, names: tuple[str, ...] = (), *, buttons: bool = True) -> None:
+    async def main() -> None:
+        panel = FakePanel(timeout, buttons=buttons)
+        async with panel.served(names) as url, aiohttp.ClientSession() as http:
+            await test(panel, http, url)
+
+    asyncio.run(main())
+
+
+async def closed(socket: aiohttp.ClientWebSocketResponse) -> int | None:
+    """The code with which the server closes."""
+    while not socket.closed:
+        await socket.receive(timeout=5.0)
+    return socket.close_code
+
+
+@pytest.mark.parametrize("said", ['{"token": "wrong"}', "{}", "[]", "null", "nonsense", '{"token": 7}'])
+def test_no_view_and_no_action_without_the_token(said: str) -> None:
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        opened = await http.ws_connect(f"{url}/socket", headers={"Origin": url})
+        await opened.send_str(said)
+        await opened.send_json({"seen": 1, "press": 1, "action": "dock"})
+        assert (await opened.receive(timeout=5.0)).type is not aiohttp.WSMsgType.TEXT
+        assert await closed(opened) == WRONG_TOKEN
+        assert panel.chair.words() == []
+
+    run(test)
+
+
+def test_images_need_the_token() -> None:
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        panel.frames.offer(b"jpeg")
+        for headers in ({}, {"Authorization": "Bearer wrong"}, {"Authorization": TOKEN}):
+            async with http.get(f"{url}/image", headers=headers) as answer:
+                assert answer.status == 401
+                assert await answer.read() != b"jpeg"
+        async with http.get(f"{url}/image", headers={"Authorization": f"Bearer {TOKEN}"}) as answer:
+            assert (answer.status, await answer.read()) == (200, b"jpeg")
+
+    run(test)
+
+
+@pytest.mark.parametrize("path", ["/", "/socket", "/image"])
+def test_a_foreign_name_or_page_is_refused(path: str) -> None:
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        for headers in ({"Host": "evil.example"}, {"Origin": "http://evil.example"}, {"Origin": "null"}):
+            async with http.get(url + path, headers={"Authorization": f"Bearer {TOKEN}", **headers}) as answer:
+                assert answer.status == 403
+        with pytest.raises(aiohttp.WSServerHandshakeError, match="403"):
+            await http.ws_connect(f"{url}/socket")  # no Origin
+
+    run(test)
+
+
+def test_a_name_that_was_given_is_known() -> None:
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        async with http.get(url, headers={"Host": "chair.local"}) as answer:
+            assert answer.status == 200
+
+    run(test, names=("chair.local",))
+
+
+def test_the_page_loads_nothing_from_elsewhere_and_no_other_page_frames_it() -> None:
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        for path in ("/", "/panel.js", "/panel.css", "/link.js", "/buttons.js", "/scene.js", "/icon.svg"):
+            async with http.get(url + path) as answer:
+                assert answer.status == 200
+                assert "default-src 'none'" in answer.headers["Content-Security-Policy"]
+                assert "frame-ancestors 'none'" in answer.headers["Content-Security-Policy"]
+                assert "://" not in (await answer.text()).replace("http://www.w3.org/2000/svg", "").replace(
+                    "${scheme}://", ""
+                )
+        for path in ("/../package.xml", "/package.xml", "/%2e%2e/package.xml"):
+            async with http.get(URL(url + path, encoded=True)) as answer:
+                assert answer.status == 404
+
+    run(test)
+
+
+def test_hold_release_and_stop() -> None:
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        client = await Client.connect(http, url)
+        await client.begin()
+        await until(lambda: panel.chair.goal == "dock")
+        await asyncio.sleep(0.5)  # answers keep it
+        assert panel.chair.held
+        await client.until(lambda last: last["hold"]["holder"] == "you")
+        await client.release()
+        await until(lambda: not panel.chair.held and not panel.chair.goal)
+        await client.begin("undock")
+        await until(lambda: panel.chair.goal == "undock")
+        await client.stop()
+        await until(lambda: not panel.chair.held)
+        assert panel.chair.words() == ["held", "dock", "let go", "cancel", "held", "undock", "let go", "cancel"]
+
+    run(test, timeout=2.0)
+
+
+async def held(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> Client:
+    """A page that holds; tried again where the machine is busy."""
+    client = await Client.connect(http, url)
+    for _ in range(20):
+        await client.begin()
+        await asyncio.sleep(0.15)
+        if panel.chair.held:
+            return client
+    raise AssertionError("no press was held")
+
+
+async def let_go_after(panel: FakePanel) -> float:
+    """[s] from now."""
+    start = time.monotonic()
+    await until(lambda: not panel.chair.held)
+    return panel.chair.said[[text for _, text in panel.chair.said].index("let go")][0] - start
+
+
+@pytest.mark.parametrize("way", ["silent", "closed", "torn"])
+def test_a_lost_connection_counts_as_let_go(way: str) -> None:
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        client = await held(panel, http, url)
+        panel.chair.said.clear()
+        if way == "silent":
+            client.fall_silent()
+        elif way == "closed":
+            await client.socket.close()
+        else:
+            client.socket.get_extra_info("socket")._sock.shutdown(socket.SHUT_RDWR)
+        assert await let_go_after(panel) < RELEASE
+
+    run(test)
+
+
+def test_a_connection_that_is_always_late_drives_nothing() -> None:
+    """Every answer comes 0.4 s late, in order and complete, as through a full buffer."""
+
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        client = await Client.connect(http, url)
+        client.fall_silent()
+        ticks: list[tuple[float, int]] = []
+        await client.say(press=1, action="dock")
+        end = time.monotonic() + 1.5
+        while time.monotonic() < end:
+            if not ticks or time.monotonic() - ticks[-1][0] > 0.0:
+                ticks.append((time.monotonic(), (await client.socket.receive_json(timeout=2.0))["n"]))
+            while ticks and (time.monotonic() - ticks[0][0] >= 0.4 or len(ticks) == session.WINDOW):
+                await asyncio.sleep(max(0.0, ticks[0][0] + 0.4 - time.monotonic()))
+                await client.socket.send_json({"seen": ticks.pop(0)[1], "held": 1})
+        assert not panel.chair.held
+        spans = [time for time, text in panel.chair.said if text in ("held", "let go")]
+        assert not spans or spans[1] - spans[0] < RELEASE
+
+    run(test)
+
+
+def test_two_holders() -> None:
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        first, second = await Client.connect(http, url), await Client.connect(http, url)
+        await first.begin()
+        await first.until(lambda last: last["hold"]["holder"] == "you")
+        await second.begin("undock")
+        await second.until(lambda last: last["hold"]["refused"])
+        assert second.last["hold"]["holder"] == "somebody"
+        assert second.last["hold"]["refused"] == "somebody else holds a button"
+        await second.release()  # not its press
+        await asyncio.sleep(0.1)
+        assert panel.chair.held
+        await second.stop()  # but anybody may stop
+        await until(lambda: not panel.chair.held)
+        assert "undock" not in panel.chair.words()
+
+    run(test, timeout=2.0)
+
+
+def test_a_chair_that_takes_no_goal_says_why() -> None:
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        panel.chair.refused = "the docking node does not run"
+        client = await Client.connect(http, url)
+        await client.begin()
+        await client.until(lambda last: last["hold"]["refused"] == "the docking node does not run")
+        assert last_press(client) == 1
+        assert panel.chair.words() == []
+
+    run(test)
+
+
+def last_press(client: Client) -> int:
+    return int(client.last["hold"]["press"])
+
+
+def test_without_buttons_nothing_can_be_done() -> None:
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        client = await Client.connect(http, url)
+        assert client.last["hold"]["buttons"] is False
+        await client.begin()
+        await client.stop()
+        await asyncio.sleep(0.3)
+        assert panel.chair.words() == []
+
+    run(test, buttons=False)
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        '{"seen": 1e99}',
+        '{"seen": 999999}',
+        '{"seen": 1, "drive": 1}',
+        "nonsense",
+        "[" * 900,
+        '{"press": 1}',
+        "x" * 5000,
+    ],
+)
+def test_a_page_that_talks_nonsense_is_dropped(said: str) -> None:
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        client = await Client.connect(http, url)
+        client.fall_silent()
+        await client.socket.send_str(said)
+        await closed(client.socket)
+        assert panel.chair.words() == []
+        again = await Client.connect(http, url)  # the server lives
+        assert "view" in again.last
+
+    run(test)
+
+
+def test_a_page_that_reads_nothing_is_not_sent_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(session, "PATIENCE", 1.0)
+
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        client = await Client.connect(http, url)
+        client.fall_silent()
+        start, numbers = time.monotonic(), [client.last["n"]]
+        while not client.socket.closed:
+            message = await client.socket.receive(timeout=5.0)
+            numbers += [message.json()["n"]] if message.type is aiohttp.WSMsgType.TEXT else []
+        assert time.monotonic() - start > 0.5
+        assert max(numbers) <= session.WINDOW + 2  # those that it had answered
+        assert client.socket.close_code == session.NO_ANSWER
+
+    run(test)
+
+
+def test_a_slow_page_gets_fewer_images_and_always_the_newest() -> None:
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        headers = {"Authorization": f"Bearer {TOKEN}"}
+        number, got = "0", []
+        for i in range(1, 31):
+            panel.frames.offer(b"%d" % i)
+            if i % 10 == 0:
+                async with http.get(f"{url}/image?after={number}", headers=headers) as answer:
+                    number = answer.headers["X-Frame-Number"]
+                    got.append(await answer.read())
+        assert got == [b"10", b"20", b"30"]
+
+    run(test)
+
+
+def test_an_image_is_waited_for() -> None:
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        assert not panel.frames.wanted()
+        panel.frames.offer(b"old")
+
+        async def ask() -> bytes:
+            async with http.get(f"{url}/image?after=1", headers={"Authorization": f"Bearer {TOKEN}"}) as answer:
+                return await answer.read()
+
+        asking = asyncio.create_task(ask())
+        await until(panel.frames.wanted)
+        await asyncio.sleep(0.1)
+        assert not asking.done()
+        panel.frames.offer(b"new")
+        assert await asking == b"new"
+
+    run(test)
+
+
+def test_pages_are_few() -> None:
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        clients = [await Client.connect(http, url) for _ in range(MOST_PAGES)]
+        one_more = await http.ws_connect(f"{url}/socket", headers={"Origin": url})
+        assert await closed(one_more) == TOO_MANY
+        await clients[0].socket.close()
+        await asyncio.sleep(0.1)
+        await Client.connect(http, url)
+
+    run(test)
+
+
+def test_no_page_file_is_forgotten() -> None:
+    assert sorted(path.name for path in PAGE.iterdir()) == sorted(name for name, _ in FILES.values())
