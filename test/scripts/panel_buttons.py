@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Stop, a finger that is lifted, a page that falls silent and a panel that dies: how soon the chair is told to stand."""
+"""Stop, a lifted finger, a page that falls silent, a panel that dies: how soon the chair is told to stand."""
 
 import asyncio
 import os

@@ -11,8 +11,6 @@ import shutil
 import subprocess
 import tempfile
 import time
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
@@ -76,15 +74,10 @@ class Page:
         x, y = await self.value(f"(b => [b.x + b.width / 2, b.y + b.height / 2])({box})")
         return float(x), float(y)
 
-    async def finger_down(self, selector: str) -> None:
-        x, y = await self.middle(selector)
-        await self.call("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y, "id": 1}])
-
-    async def finger_moves(self, x: float, y: float) -> None:
-        await self.call("Input.dispatchTouchEvent", type="touchMove", touchPoints=[{"x": x, "y": y, "id": 1}])
-
-    async def finger_up(self) -> None:
-        await self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+    async def touch(self, kind: str, *points: tuple[float, float]) -> None:
+        """`kind`: touchStart, touchMove, touchEnd or touchCancel; the places of all fingers that are on the screen."""
+        places = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(points)]
+        await self.call("Input.dispatchTouchEvent", type=kind, touchPoints=places)
 
     async def key(self, kind: str, key: str) -> None:
         """`kind`: keyDown or keyUp."""
@@ -115,38 +108,37 @@ class Page:
             waiting.set_result(content["result"])
 
 
-@asynccontextmanager
-async def browser() -> AsyncIterator[Callable[[], Any]]:
-    """Gives a function that opens one more page; the browser ends with the context."""
-    assert PROGRAM is not None
-    with tempfile.TemporaryDirectory(prefix="seater_browser_", ignore_cleanup_errors=True) as folder:
-        words = [
-            PROGRAM,
-            "--remote-debugging-port=0",
-            f"--user-data-dir={folder}",
-            "--disable-gpu",
-            "--hide-scrollbars",
-        ]
-        words += ["--no-sandbox"] if os.getuid() == 0 else []
-        with subprocess.Popen([*words, "about:blank"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
-            try:
-                port = await _port(Path(folder) / "DevToolsActivePort", process)
-                async with aiohttp.ClientSession() as session:
+class Browser:
+    """`with Browser() as browser:` - it runs inside, with an empty profile."""
 
-                    async def page() -> Page:
-                        async with session.put(f"http://127.0.0.1:{port}/json/new?about:blank") as answer:
-                            target = await answer.json()
-                        return Page(await session.ws_connect(target["webSocketDebuggerUrl"], max_msg_size=1 << 26))
+    def __enter__(self) -> Browser:
+        assert PROGRAM is not None
+        self._folder = tempfile.TemporaryDirectory(prefix="seater_browser_", ignore_cleanup_errors=True)
+        words = [PROGRAM, "--remote-debugging-port=0", f"--user-data-dir={self._folder.name}", "--disable-gpu"]
+        words += ["--hide-scrollbars", *(["--no-sandbox"] if os.getuid() == 0 else [])]
+        self._process = subprocess.Popen([*words, "about:blank"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            self._port = self._wait_for_port()
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
 
-                    yield page
-            finally:
-                process.terminate()
+    def __exit__(self, *_: object) -> None:
+        self._process.terminate()
+        self._process.wait(10.0)
+        self._folder.cleanup()
 
+    async def page(self, http: aiohttp.ClientSession) -> Page:
+        """One more empty page."""
+        async with http.put(f"http://127.0.0.1:{self._port}/json/new?about:blank") as answer:
+            target = await answer.json()
+        return Page(await http.ws_connect(target["webSocketDebuggerUrl"], max_msg_size=1 << 26))
 
-async def _port(file: Path, process: subprocess.Popen[bytes]) -> int:
-    end = time.monotonic() + STARTS_WITHIN
-    while not file.exists() or not file.read_text().strip():
-        if process.poll() is not None or time.monotonic() > end:
-            raise BrowserError("the browser does not start")
-        await asyncio.sleep(0.05)
-    return int(file.read_text().split()[0])
+    def _wait_for_port(self) -> int:
+        file, end = Path(self._folder.name) / "DevToolsActivePort", time.monotonic() + STARTS_WITHIN
+        while not file.exists() or not file.read_text().strip():
+            if self._process.poll() is not None or time.monotonic() > end:
+                raise BrowserError("the browser does not start")
+            time.sleep(0.05)
+        return int(file.read_text().split()[0])

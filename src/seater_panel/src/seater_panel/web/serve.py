@@ -45,8 +45,15 @@ class Serving:
         await site.start()
         self.port = self._runner.addresses[0][1]
 
-    def _end(self) -> None:
+    async def _finish(self) -> None:
         if self._runner is not None:
-            asyncio.run_coroutine_threadsafe(self._runner.cleanup(), self._loop).result(STARTS_WITHIN)
+            await self._runner.cleanup()
+        waiting = asyncio.all_tasks() - {asyncio.current_task()}  # for images, most of all
+        for task in waiting:
+            task.cancel()
+        await asyncio.gather(*waiting, return_exceptions=True)
+
+    def _end(self) -> None:
+        asyncio.run_coroutine_threadsafe(self._finish(), self._loop).result(STARTS_WITHIN)
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(STARTS_WITHIN)
