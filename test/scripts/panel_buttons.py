@@ -44,6 +44,25 @@ class Panel(DockingCase):
         self.wait(lambda: rospy.has_param("panel/address"), "the panel")
         self.token = Path(rospy.get_param("~token_file")).read_text().strip()
 
+    def test_a_gate_that_does_not_watch_the_button_gets_no_goal(self) -> None:
+        """The panel believes what the gate was told, as it cannot see it in another way."""
+        hold = "safety_gate/safety/hold_to_run"
+        rospy.set_param(hold, 0)
+        try:
+            asyncio.run(self.refused("the safety gate does not watch the button"))
+        finally:
+            rospy.set_param(hold, 1)
+        self.assertEqual(self.results, [])
+
+    async def refused(self, why: str) -> None:
+        await asyncio.sleep(2.0)  # the panel looks once per second
+        async with aiohttp.ClientSession() as http:
+            client = await Client.connect(http, rospy.get_param("panel/address").rstrip("/"), self.token)
+            await client.begin()
+            await client.until(lambda last: last["hold"]["press"] == client.press)
+            self.assertIn(why, client.last["hold"]["refused"])
+            self.assertEqual(client.last["hold"]["holder"], "nobody")
+
     def test_buttons(self) -> None:
         asyncio.run(self.buttons())
 

@@ -37,17 +37,18 @@ const known = (value, digits, unit) => value === null ? "–" : `${value.toFixed
 
 function show(view) {
   $("dock").textContent = view.dock;
-  $("title").textContent = view.title;
-  $("reason").textContent = view.reason;
+  const begins = buttons.granted && !view.active;  // the docking node has not answered yet
+  $("title").textContent = begins ? "Starting" : view.title;
+  $("reason").textContent = begins ? "" : view.reason;
   const [, kind] = GATE[view.gate] || ["", "bad"];
   const result = view.result;
-  const ended = !view.active && result && kind !== "bad" ? (result.success ? "good" : "warn") : "";
+  const ended = !view.active && !begins && result && kind !== "bad" ? (result.success ? "good" : "warn") : "";
   $("state").className = kind === "bad" || kind === "warn" ? kind : ended;
   badge("gate", GATE[view.gate] || ["gate silent", "bad"]);
   $("distance").textContent = known(view.distance, 2, "m");
   $("speed").textContent = known(view.speed === null ? null : Math.abs(view.speed), 2, "m/s");
   $("elapsed").textContent = known(view.elapsed, 0, "s");
-  $("result").textContent = result && !view.active ? lastResult(result) : "";
+  $("result").textContent = result && !view.active && !begins ? lastResult(result) : "";
   $("no-image").hidden = view.image;
   $("frame").textContent = view.scene.frame === "dock" ? "" : "the dock has not been seen yet";
   scene.draw(view.scene);

@@ -58,10 +58,18 @@ class PanelNode:
         while not rospy.is_shutdown():
             self._changed.wait(PERIOD)
             self._changed.clear()
-            now = time.monotonic()
-            if self._driver is not None:
-                self._driver.step(now)
-            self._images.step(now)
+            try:
+                self._step(time.monotonic())
+            except rospy.ROSException:  # a publisher was closed by the shutdown
+                return
+            except Exception as error:  # whatever it is: the button counts as let go, and the panel says so
+                rospy.logerr_throttle(1.0, "panel: %s: %s", type(error).__name__, error)
+                self.panel.hold.end(f"internal error: {error}")
+
+    def _step(self, now: float) -> None:
+        if self._driver is not None:
+            self._driver.step(now)
+        self._images.step(now)
 
     def _end(self) -> None:
         if self._driver is not None:
