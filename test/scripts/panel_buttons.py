@@ -18,6 +18,7 @@ import rostest
 from geometry_msgs.msg import Twist, TwistStamped
 from panels import Client
 from seater_test.harness import DockingCase
+from std_msgs.msg import Bool
 
 from seater_msgs.msg import DockActionResult, DockResult, GateState
 
@@ -70,6 +71,7 @@ class Panel(DockingCase):
         await self.measured("Stop", STOP, Client.stop, DockResult.CANCELED, DockResult.STOPPED_BY_USER)
         await self.measured("finger lifted", RELEASE, Client.release, DockResult.STOPPED_BY_USER)
         await self.measured("page silent", RELEASE, self.silent, DockResult.STOPPED_BY_USER)
+        await self.second_button()
         await self.panel_dies()
 
     async def measured(self, name: str, bar: float, end: Callable[[Client], Awaitable[None]], *codes: int) -> None:
@@ -92,6 +94,19 @@ class Panel(DockingCase):
 
     async def silent(self, client: Client) -> None:
         client.fall_silent()
+
+    async def second_button(self) -> None:
+        """Another node says `hold_to_run`, too: whom would the gate believe?"""
+        async with aiohttp.ClientSession() as http:
+            client = await self.drive(http)
+            other = rospy.Publisher("hold_to_run", Bool, queue_size=1)
+            await self.until(lambda: self.gate.state == GateState.FAULT, "the fault")
+            self.assertEqual(self.gate.stopped_by, GateState.FAULT)
+            self.assertIn("2 nodes publish", self.gate.reason)
+            await self.stands()
+            other.unregister()
+            await self.until(lambda: self.gate.state == GateState.STOPPED, "the end of the fault")
+            await client.release()
 
     async def panel_dies(self) -> None:
         """Killed while a button is held: the gate alone stops the chair, and what is started anew drives nothing."""
