@@ -12,6 +12,8 @@ from pathlib import Path
 from xmlrpc.client import ServerProxy
 
 import aiohttp
+import cv2
+import numpy as np
 import rosgraph
 import rospy
 import rostest
@@ -64,6 +66,24 @@ class Panel(DockingCase):
             self.assertIn(why, client.last["hold"]["refused"])
             self.assertEqual(client.last["hold"]["holder"], "nobody")
 
+    def test_images_come_while_somebody_asks(self) -> None:
+        asyncio.run(self.images())
+
+    async def images(self) -> None:
+        url = rospy.get_param("panel/address")
+        headers = {"Authorization": f"Bearer {self.token}"}
+        async with aiohttp.ClientSession() as http:
+            for _ in range(20):
+                async with http.get(f"{url}image", headers=headers) as answer:
+                    if answer.status == 200:
+                        image = cv2.imdecode(np.frombuffer(await answer.read(), np.uint8), cv2.IMREAD_COLOR)
+                        self.assertEqual(image.shape, (450, 800, 3))
+                        return
+        raise AssertionError("no image")
+
+    def test_the_panel_dies(self) -> None:  # the last one by its name: no other test has to wait for the new panel
+        asyncio.run(self.panel_dies())
+
     def test_buttons(self) -> None:
         asyncio.run(self.buttons())
 
@@ -72,7 +92,6 @@ class Panel(DockingCase):
         await self.measured("finger lifted", RELEASE, Client.release, DockResult.STOPPED_BY_USER)
         await self.measured("page silent", RELEASE, self.silent, DockResult.STOPPED_BY_USER)
         await self.second_button()
-        await self.panel_dies()
 
     async def measured(self, name: str, bar: float, end: Callable[[Client], Awaitable[None]], *codes: int) -> None:
         """`end` ends a drive, several times."""

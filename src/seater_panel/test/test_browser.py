@@ -7,7 +7,6 @@ import time
 from collections.abc import Awaitable, Callable, Iterator
 
 import aiohttp
-import cv2
 import numpy as np
 import pytest
 from browser import PROGRAM, Browser, Page
@@ -232,8 +231,3 @@ def test_image_and_scene_are_drawn(browser: Browser) -> None:
         assert await page.value("document.documentElement.scrollHeight <= innerHeight")  # all of it fits
 
     run(browser, test)
-
-
-def test_an_image_is_reduced_to_what_a_phone_shows() -> None:
-    decoded = cv2.imdecode(np.frombuffer(to_jpeg(np.zeros((720, 1280, 3), np.uint8)), np.uint8), cv2.IMREAD_COLOR)
-    assert decoded.shape == (450, 800, 3)

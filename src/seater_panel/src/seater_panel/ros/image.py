@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable
 
@@ -28,7 +29,7 @@ def to_jpeg(image: NDArray[np.uint8]) -> bytes:
 
 def pixels(message: Image) -> NDArray[np.uint8] | None:
     """(h, w, 3) BGR of an annotated image; None: not one."""
-    if message.encoding != "bgr8" or message.step < 3 * message.width or not message.width:
+    if message.encoding != "bgr8" or message.step < 3 * message.width or not message.width * message.height:
         return None
     if len(message.data) < message.step * message.height:
         return None
@@ -37,18 +38,23 @@ def pixels(message: Image) -> NDArray[np.uint8] | None:
 
 
 class ImageFeed:
-    """Subscribes to `detections/image` while `wanted()`; the detector draws only while somebody listens."""
+    """Subscribes to `detections/image` while `wanted()`; the detector draws only while somebody listens.
+
+    In a thread of its own, as subscribing waits for the ROS master.
+    """
 
     def __init__(self, wanted: Callable[[], bool], offer: Callable[[bytes], None]) -> None:
         self._wanted, self._offer = wanted, offer
         self._subscriber: rospy.Subscriber | None = None
-        self._looked = self._last = float("-inf")
+        self._last = float("-inf")
+        threading.Thread(target=self._look, name="images", daemon=True).start()
 
-    def step(self, now: float) -> None:
-        """To be called often, by one thread."""
-        if now - self._looked < LOOK_PERIOD:
-            return
-        self._looked = now
+    def _look(self) -> None:
+        while not rospy.is_shutdown():
+            self._follow()
+            rospy.rostime.wallsleep(LOOK_PERIOD)
+
+    def _follow(self) -> None:
         if self._wanted() and self._subscriber is None:
             self._subscriber = rospy.Subscriber(
                 "detections/image", Image, self._on_image, queue_size=1, buff_size=BUFFER, tcp_nodelay=True

@@ -37,10 +37,11 @@ class PanelNode:
         hold, frames = Hold(HOLD_TIMEOUT), Frames()
         self._way = RosChair(gate) if act else None
         self._driver = None if self._way is None else Driver(hold, self._way)
-        self._images = ImageFeed(frames.wanted, self._offer)
         self.panel = Panel(hold=hold, driver=self._driver, frames=frames, view=self.view, changed=self._changed.set)
-        rospy.on_shutdown(self._end)
-        threading.Thread(target=self._pump, name="pump", daemon=True).start()
+        ImageFeed(frames.wanted, self._offer)
+        if self._driver is not None:
+            rospy.on_shutdown(self._end)
+            threading.Thread(target=self._pump, args=(self._driver,), name="pump", daemon=True).start()
 
     def view(self) -> dict[str, Any]:
         """What the pages show."""
@@ -53,25 +54,21 @@ class PanelNode:
         self.panel.frames.offer(jpeg)
         self._listener.note(image=time.monotonic())
 
-    def _pump(self) -> None:
-        """If this thread ends or hangs, `hold_to_run` falls silent: the gate takes that as let go."""
+    def _pump(self, driver: Driver) -> None:
+        """If this thread ends or hangs, `hold_to_run` falls silent: the gate takes that as let go. So nothing in it may
+        wait for anybody."""
         while not rospy.is_shutdown():
             self._changed.wait(PERIOD)
             self._changed.clear()
             try:
-                self._step(time.monotonic())
+                driver.step(time.monotonic())
             except rospy.ROSException:  # a publisher was closed by the shutdown
                 return
             except Exception as error:  # whatever it is: the button counts as let go, and the panel says so
                 rospy.logerr_throttle(1.0, "panel: %s: %s", type(error).__name__, error)
                 self.panel.hold.end(f"internal error: {error}")
 
-    def _step(self, now: float) -> None:
-        if self._driver is not None:
-            self._driver.step(now)
-        self._images.step(now)
-
     def _end(self) -> None:
-        if self._driver is not None:
-            self._driver.stop(time.monotonic())
-            time.sleep(PERIOD)  # for the words to leave
+        assert self._driver is not None
+        self._driver.stop(time.monotonic())
+        time.sleep(PERIOD)  # for the words to leave
