@@ -223,6 +223,7 @@ def test_without_buttons_nothing_can_be_done() -> None:
     "said",
     [
         '{"seen": 1e99}',
+        '{"seen": 1e999}',
         '{"seen": 999999}',
         '{"seen": 1, "drive": 1}',
         "nonsense",

@@ -88,7 +88,7 @@ class Session:
             message = json.loads(text)
             seen = int(message["seen"])
             proven = self._sent[seen]
-        except (ValueError, TypeError, KeyError, RecursionError):
+        except (ValueError, TypeError, KeyError, OverflowError, RecursionError):
             return False
         self._heard, self._answered = self._panel.clock(), max(self._answered, seen)
         if self._panel.driver is None:
