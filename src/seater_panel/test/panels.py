@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import ssl
 import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -89,12 +90,13 @@ class FakePanel:
         self.driver.step(time.monotonic())
 
     @asynccontextmanager
-    async def served(self, names: tuple[str, ...] = ()) -> AsyncIterator[str]:
+    async def served(self, names: tuple[str, ...] = (), encrypted: ssl.SSLContext | None = None) -> AsyncIterator[str]:
         """Its address; the driver steps meanwhile."""
-        with Serving(Server(self.panel, TOKEN, PAGE, names).application(), "127.0.0.1", 0) as serving:
+        application = Server(self.panel, TOKEN, PAGE, names).application()
+        with Serving(application, "127.0.0.1", 0, encrypted) as serving:
             pump = asyncio.create_task(self._pump())
             try:
-                yield f"http://127.0.0.1:{serving.port}"
+                yield f"{'https' if encrypted else 'http'}://127.0.0.1:{serving.port}"
             finally:
                 pump.cancel()
 

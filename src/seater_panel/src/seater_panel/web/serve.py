@@ -3,12 +3,34 @@
 from __future__ import annotations
 
 import asyncio
+import ssl
 import threading
+from pathlib import Path
 from types import TracebackType
 
 from aiohttp import web
 
 STARTS_WITHIN = 10.0  # [s]
+
+
+class CertificateError(ValueError):
+    """The files of certificate and key cannot be used."""
+
+
+def encryption(certificate: Path, key: Path) -> ssl.SSLContext:
+    """TLS with these files (PEM; `certificate`: with the chain up to its root, if it has one).
+
+    Raises:
+        CertificateError: one cannot be read, or they do not belong together.
+    """
+    context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+    try:
+        context.load_cert_chain(
+            certificate, key, password=""
+        )  # an encrypted key: refused, not asked for on the terminal
+    except (OSError, ssl.SSLError) as error:
+        raise CertificateError(f"{certificate}, {key}: {error}") from error
+    return context
 
 
 class Serving:
@@ -17,9 +39,12 @@ class Serving:
     Raises OSError: the address or port cannot be had.
     """
 
-    def __init__(self, application: web.Application, address: str, port: int) -> None:
-        """`port` 0: any that is free, see `port`."""
+    def __init__(
+        self, application: web.Application, address: str, port: int, encrypted: ssl.SSLContext | None = None
+    ) -> None:
+        """`port` 0: any that is free, see `port`. `encrypted` None: plain HTTP."""
         self._application, self._address, self.port = application, address, port
+        self._encrypted = encrypted
         self._loop = asyncio.new_event_loop()
         self._runner: web.AppRunner | None = None
         self._thread = threading.Thread(target=self._loop.run_forever, name="web", daemon=True)
@@ -41,7 +66,7 @@ class Serving:
     async def _start(self) -> None:
         self._runner = web.AppRunner(self._application, access_log=None)
         await self._runner.setup()
-        site = web.TCPSite(self._runner, self._address, self.port, shutdown_timeout=1.0)
+        site = web.TCPSite(self._runner, self._address, self.port, shutdown_timeout=1.0, ssl_context=self._encrypted)
         await site.start()
         self.port = self._runner.addresses[0][1]
 
