@@ -25,9 +25,7 @@ def encryption(certificate: Path, key: Path) -> ssl.SSLContext:
     """
     context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
     try:
-        context.load_cert_chain(
-            certificate, key, password=""
-        )  # an encrypted key: refused, not asked for on the terminal
+        context.load_cert_chain(certificate, key, password="")  # a locked key is refused, not asked for
     except (OSError, ssl.SSLError) as error:
         raise CertificateError(f"{certificate}, {key}: {error}") from error
     return context
