@@ -4,7 +4,7 @@
 export class Buttons {
   // send(message): false when there is no connection; notice(text)
   constructor(buttons, stop, { send, notice }) {
-    Object.assign(this, { buttons, send, notice, press: 0, held: null, granted: false });
+    Object.assign(this, { buttons, send, notice, press: 0, held: null, granted: false, ready: false, taken: false });
     for (const button of buttons) this.wire(button);
     stop.addEventListener("pointerdown", () => this.stop());
     stop.addEventListener("keydown", (event) => [" ", "Enter"].includes(event.key) && this.stop());
@@ -13,6 +13,7 @@ export class Buttons {
     addEventListener("pagehide", () => this.release());
     addEventListener("contextmenu", (event) => event.preventDefault());
     document.addEventListener("visibilitychange", () => document.hidden && this.release());
+    this.draw();
   }
 
   wire(button) {
@@ -71,6 +72,11 @@ export class Buttons {
 
   // The server's view of the hold.
   take(hold) {
+    const taken = hold.holder === "somebody";
+    if (!this.ready || taken !== this.taken) {
+      Object.assign(this, { ready: true, taken });
+      this.draw();
+    }
     if (!this.held || hold.press !== this.press) return;
     const mine = hold.holder === "you";
     if (mine === this.granted && mine) return;
@@ -88,6 +94,7 @@ export class Buttons {
   // The connection is lost.
   lost() {
     if (this.held) this.notice("Connection lost: the chair is stopped. Let go, then press again.");
+    this.ready = false;
     this.drop();
   }
 
@@ -102,7 +109,9 @@ export class Buttons {
       const held = button === this.held;
       button.classList.toggle("held", held && this.granted);
       button.classList.toggle("asking", held && !this.granted);
-      button.querySelector("small").textContent = held && this.granted ? "let go to stop" : "hold to drive";
+      button.disabled = this.taken || !this.ready;
+      const text = this.taken ? "somebody else" : held && this.granted ? "let go to stop" : "hold to drive";
+      button.querySelector("small").textContent = text;
     }
   }
 }

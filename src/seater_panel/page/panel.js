@@ -24,33 +24,38 @@ function takeToken() {
 }
 
 function badge(id, [text, kind]) {
-  $(id).textContent = text;
+  put(id, text);
   $(id).className = `badge ${kind}`;
 }
 
+// Only what changes: a screen reader says it once.
+function put(id, text) {
+  if ($(id).textContent !== text) $(id).textContent = text;
+}
+
 function notice(text) {
-  $("notice").textContent = text;
+  put("notice", text);
   $("notice").hidden = !text;
 }
 
 const known = (value, digits, unit) => value === null ? "–" : `${value.toFixed(digits)} ${unit}`;
 
 function show(view) {
-  $("dock").textContent = view.dock;
+  put("dock", view.dock);
   const begins = buttons.granted && !view.active;  // the docking node has not answered yet
-  $("title").textContent = begins ? "Starting" : view.title;
-  $("reason").textContent = begins ? "" : view.reason;
+  put("title", begins ? "Starting" : view.title);
+  put("reason", begins ? "" : view.reason);
   const [, kind] = GATE[view.gate] || ["", "bad"];
   const result = view.result;
   const ended = !view.active && !begins && result && kind !== "bad" ? (result.success ? "good" : "warn") : "";
   $("state").className = kind === "bad" || kind === "warn" ? kind : ended;
   badge("gate", GATE[view.gate] || ["gate silent", "bad"]);
-  $("distance").textContent = known(view.distance, 2, "m");
-  $("speed").textContent = known(view.speed === null ? null : Math.abs(view.speed), 2, "m/s");
-  $("elapsed").textContent = known(view.elapsed, 0, "s");
-  $("result").textContent = result && !view.active && !begins ? lastResult(result) : "";
+  put("distance", known(view.distance, 2, "m"));
+  put("speed", known(view.speed === null ? null : Math.abs(view.speed), 2, "m/s"));
+  put("elapsed", known(view.elapsed, 0, "s"));
+  put("result", result && !view.active && !begins ? lastResult(result) : "");
   $("no-image").hidden = view.image;
-  $("frame").textContent = view.scene.frame === "dock" ? "" : "the dock has not been seen yet";
+  put("frame", view.scene.frame === "dock" ? "" : "the dock has not been seen yet");
   scene.draw(view.scene);
 }
 
@@ -65,24 +70,22 @@ function linkState(state) {
   badge("link", LINK[state]);
   if (state === "open") return;
   buttons.lost();
-  for (const button of holds) button.disabled = true;
   $("state").className = "bad";
-  $("title").textContent = state === "token" ? "No access" : "No connection";
-  $("reason").textContent = state === "token"
+  put("title", state === "token" ? "No access" : "No connection");
+  put("reason", state === "token"
     ? "Open the address with the token that the terminal shows."
-    : "The chair drives only while a connected button is held.";
+    : "The chair drives only while a connected button is held.");
 }
 
 const token = takeToken();
 const scene = new Scene($("scene"));
-const holds = [...document.querySelectorAll("button.hold")];
-for (const button of holds) button.disabled = true;
 let link = null;
-const buttons = new Buttons(holds, $("stop"), { send: (message) => Boolean(link && link.send(message)), notice });
+const buttons = new Buttons([...document.querySelectorAll("button.hold")], $("stop"), {
+  send: (message) => Boolean(link && link.send(message)), notice,
+});
 
 function onMessage({ view, hold }) {
   document.body.classList.toggle("view-only", !hold.buttons);
-  for (const button of holds) button.disabled = hold.holder === "somebody";
   buttons.take(hold);
   if (view) show(view);
 }

@@ -181,6 +181,19 @@ def test_over_a_slow_connection_nothing_drives_and_the_page_says_why(browser: Br
     run(browser, test, timeout=0.22, wire=wire)
 
 
+def test_while_somebody_else_holds_the_buttons_are_taken_but_stop_works(browser: Browser) -> None:
+    async def test(panel: FakePanel, page: Page) -> None:
+        panel.hold.press("another page", 1, "dock", time.monotonic() + 60.0, time.monotonic())
+        await page.until(f"document.querySelector('{UNDOCK}').disabled")
+        assert "somebody else" in await page.value(f"document.querySelector('{DOCK}').textContent")
+        await until(lambda: panel.chair.held)
+        await page.touch("touchStart", await page.middle(STOP))
+        await is_let_go(panel)
+        await page.until(f"!document.querySelector('{UNDOCK}').disabled")
+
+    run(browser, test)
+
+
 def test_without_the_token_the_page_shows_nothing(browser: Browser) -> None:
     async def main() -> None:
         panel = FakePanel()
