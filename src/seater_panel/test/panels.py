@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import ssl
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -70,7 +70,6 @@ class FakePanel:
     def __init__(self, timeout: float = 0.22, *, buttons: bool = True) -> None:
         self.chair, self.frames, self.hold = FakeChair(), Frames(), Hold(timeout)
         self.heard = Heard(dock=np.array([2.5, 0.0, 0.0]))
-        self.changed = asyncio.Event()
         self.driver = Driver(self.hold, self.chair)
         self.panel = Panel(
             hold=self.hold,
@@ -82,8 +81,8 @@ class FakePanel:
 
     def view(self) -> dict[str, Any]:
         now = time.monotonic()
-        gate = Gate(time=now, state="STOPPED", reason="", allowed=False, emergency_stop=False)
-        motion = self.heard.motion or Motion(time=now, pose=np.zeros(3), v=0.0, omega=0.0)
+        gate = Gate(time=now, state="STOPPED", reason="")
+        motion = self.heard.motion or Motion(time=now, pose=np.zeros(3), v=0.0)
         return view(Heard(**{**vars(self.heard), "gate": gate, "motion": motion}), Chair(), Dock(), now)
 
     def step(self) -> None:
@@ -157,3 +156,22 @@ async def until(condition: Any, patience: float = 5.0) -> None:
     while not condition():
         assert time.monotonic() < end, "waited in vain"
         await asyncio.sleep(0.005)
+
+
+Test = Callable[[FakePanel, aiohttp.ClientSession, str], Awaitable[None]]
+
+
+def run(test: Test, timeout: float = 0.22, names: tuple[str, ...] = (), *, buttons: bool = True) -> None:
+    async def main() -> None:
+        panel = FakePanel(timeout, buttons=buttons)
+        async with panel.served(names) as url, aiohttp.ClientSession() as http:
+            await test(panel, http, url)
+
+    asyncio.run(main())
+
+
+async def closed(socket: aiohttp.ClientWebSocketResponse) -> int | None:
+    """The code with which the server closes."""
+    while not socket.closed:
+        await socket.receive(timeout=5.0)
+    return socket.close_code

@@ -13,14 +13,14 @@ from seater_panel.view.model import view
 from seater_panel.view.scene import ellipse, scene
 
 NOW = 100.0
-GATE = Gate(time=NOW, state="REQUEST", reason="docking drives", allowed=True, emergency_stop=False)
+GATE = Gate(time=NOW, state="REQUEST", reason="docking drives")
 PROGRESS = Progress(time=NOW, action="dock", phase="APPROACH", distance=2.0, elapsed=3.0, retries=0, marker_seen=True)
 RESULT = Result(
     time=NOW - 10.0, action="dock", code=0, name="SUCCESS", text="docked", success=True, error=(0.003, 0.004, 0.002)
 )
 # The dock lies 2 m ahead of odom's origin and is turned by 90 degrees to the left; the chair is 1 m before it.
 DOCK_POSE = np.array([2.0, 0.0, math.pi / 2])
-MOTION = Motion(time=NOW, pose=np.array([2.0, -1.0, math.pi / 2]), v=0.2, omega=0.0)
+MOTION = Motion(time=NOW, pose=np.array([2.0, -1.0, math.pi / 2]), v=0.2)
 ALL = Heard(gate=GATE, motion=MOTION, progress=PROGRESS, dock=DOCK_POSE)
 
 
@@ -58,7 +58,7 @@ def test_path_and_obstacles_in_odom_are_seen_from_the_dock() -> None:
 
 def test_obstacles_of_the_dock_and_points_of_the_chair() -> None:
     told = Outlines(in_dock=True, polygons=(np.array([[-2.0, 0.0], [-1.7, 0.0], [-1.7, 0.3]]),))
-    points = Points(time=NOW, points=np.array([[1.0, 0.5]]), blocked="")
+    points = Points(time=NOW, points=np.array([[1.0, 0.5]]))
     found = seen(replace(ALL, outlines=told, points=points))
     assert found["obstacles"][0][0] == pytest.approx([-2.0, 0.0])
     assert found["points"] == [pytest.approx([0.0, 0.5])]
@@ -94,7 +94,7 @@ def test_what_is_old_is_not_shown() -> None:
         progress=replace(PROGRESS, time=old),
         planned=Planned(time=old, path=np.zeros((3, 2))),
         sights=Sights(time=old, markers=(sight,), candidates=()),
-        points=Points(time=old, points=np.zeros((3, 2)), blocked=""),
+        points=Points(time=old, points=np.zeros((3, 2))),
         dock=DOCK_POSE,
         image=NOW - 3.0,
     )
@@ -105,7 +105,7 @@ def test_what_is_old_is_not_shown() -> None:
 
 
 def test_many_points_are_thinned_out() -> None:
-    points = Points(time=NOW, points=np.random.default_rng(1).normal(size=(5000, 2)), blocked="")
+    points = Points(time=NOW, points=np.random.default_rng(1).normal(size=(5000, 2)))
     assert 100 <= len(seen(replace(ALL, points=points))["points"]) <= 200
 
 

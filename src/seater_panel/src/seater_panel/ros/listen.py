@@ -76,22 +76,14 @@ class Listener:
 
     def _on_gate(self, message: GateState) -> None:
         state = STATES.get(message.state, str(message.state))
-        self.note(
-            gate=Gate(
-                time=time.monotonic(),
-                state=state,
-                reason=message.reason,
-                allowed=message.motion_allowed,
-                emergency_stop=message.emergency_stop,
-            )
-        )
+        self.note(gate=Gate(time=time.monotonic(), state=state, reason=message.reason))
 
     def _on_odometry(self, message: Odometry) -> None:
         pose, twist = planar_pose(matrix_of_pose(message.pose.pose)), message.twist.twist
-        if np.all(np.isfinite([*pose, twist.linear.x, twist.angular.z])):
+        if np.all(np.isfinite([*pose, twist.linear.x])):
             self._odom_frame = message.header.frame_id or self._odom_frame
             self._base_frame = message.child_frame_id or self._base_frame
-            self.note(motion=Motion(time=time.monotonic(), pose=pose, v=twist.linear.x, omega=twist.angular.z))
+            self.note(motion=Motion(time=time.monotonic(), pose=pose, v=twist.linear.x))
 
     def _on_dock(self, message: PoseWithCovarianceStamped) -> None:
         pose = planar_pose(matrix_of_pose(message.pose.pose))
@@ -125,7 +117,7 @@ class Listener:
 
     def _on_points(self, message: ObstaclePoints) -> None:
         points = np.column_stack([message.x, message.y]) if len(message.x) == len(message.y) else np.empty((0, 2))
-        self.note(points=Points(time=time.monotonic(), points=points.reshape(-1, 2), blocked=message.blocked))
+        self.note(points=Points(time=time.monotonic(), points=points.reshape(-1, 2)))
 
     def _on_feedback(self, message: Any, action: str) -> None:
         said = message.feedback

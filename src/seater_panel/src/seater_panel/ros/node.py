@@ -35,8 +35,7 @@ class PanelNode:
         self._view: tuple[float, dict[str, Any]] = (float("-inf"), {})
         self._changed = threading.Event()
         hold, frames = Hold(HOLD_TIMEOUT), Frames()
-        self._way = RosChair(gate) if act else None
-        self._driver = None if self._way is None else Driver(hold, self._way)
+        self._driver = Driver(hold, RosChair(gate)) if act else None
         self.panel = Panel(hold=hold, driver=self._driver, frames=frames, view=self.view, changed=self._changed.set)
         ImageFeed(frames.wanted, self._offer)
         if self._driver is not None:

@@ -5,8 +5,7 @@ Lengths in metres, angles in radians. A planar pose is (x, y, heading).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,18 +20,15 @@ class Gate:
     time: float
     state: str
     reason: str
-    allowed: bool
-    emergency_stop: bool
 
 
 @dataclass(frozen=True, kw_only=True)
 class Motion:
-    """Odometry: T_odom_base, and speeds in base_link."""
+    """Odometry: T_odom_base, and the speed along it [m/s]."""
 
     time: float
     pose: Array
     v: float
-    omega: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,11 +93,10 @@ class Outlines:
 
 @dataclass(frozen=True, kw_only=True)
 class Points:
-    """What a sensor of obstacles sees, (n, 2) in base_link; `blocked`: why it can tell nothing."""
+    """What a sensor of obstacles sees, (n, 2) in base_link."""
 
     time: float
     points: Array
-    blocked: str
 
 
 @dataclass(frozen=True)
@@ -118,7 +113,3 @@ class Heard:
     points: Points | None = None
     dock: Array | None = None  # T_odom_dock
     image: float | None = None  # time of the last annotated image
-
-    def with_(self, **changes: Any) -> Heard:
-        """A copy in which these are newer."""
-        return replace(self, **changes)

@@ -71,7 +71,6 @@ class Session:
         holder = "nobody" if order is None else "you" if order.client == self._name else "somebody"
         hold = {
             "holder": holder,
-            "action": None if order is None else order.action,
             "press": self._press,  # the newest one of this page
             "ended": self._panel.hold.ended,
             "refused": self._refused,
