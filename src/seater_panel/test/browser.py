@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import base64
+import ctypes
 import itertools
 import json
 import os
 import shutil
+import signal
 import subprocess
 import tempfile
 import time
@@ -16,7 +18,8 @@ from typing import Any
 
 import aiohttp
 
-PROGRAM = shutil.which("chromium-headless-shell")
+# The browser itself. What lies in PATH is a shell script round it: ended, it would leave the browser running.
+PROGRAM = shutil.which("/usr/lib/chromium/chromium-headless-shell")
 STARTS_WITHIN = 30.0  # [s]
 
 
@@ -116,7 +119,9 @@ class Browser:
         self._folder = tempfile.TemporaryDirectory(prefix="seater_browser_", ignore_cleanup_errors=True)
         words = [PROGRAM, "--remote-debugging-port=0", f"--user-data-dir={self._folder.name}", "--disable-gpu"]
         words += ["--hide-scrollbars", *(["--no-sandbox"] if os.getuid() == 0 else [])]
-        self._process = subprocess.Popen([*words, "about:blank"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self._process = subprocess.Popen(
+            [*words, "about:blank"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, preexec_fn=_end_with_parent
+        )
         try:
             self._port = self._wait_for_port()
         except BaseException:
@@ -126,7 +131,10 @@ class Browser:
 
     def __exit__(self, *_: object) -> None:
         self._process.terminate()
-        self._process.wait(10.0)
+        try:
+            self._process.wait(10.0)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
         self._folder.cleanup()
 
     async def page(self, http: aiohttp.ClientSession) -> Page:
@@ -142,3 +150,8 @@ class Browser:
                 raise BrowserError("the browser does not start")
             time.sleep(0.05)
         return int(file.read_text().split()[0])
+
+
+def _end_with_parent() -> None:
+    """Also when the tests are killed: the kernel then sends SIGTERM to the browser (prctl, PR_SET_PDEATHSIG)."""
+    ctypes.CDLL(None).prctl(1, signal.SIGTERM)
