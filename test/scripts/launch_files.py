@@ -25,6 +25,10 @@ def parameters(launch_file: str, *arguments: str) -> dict[str, object]:
     return {name: param.value for name, param in resolve(launch_file, *arguments).params.items()}
 
 
+def panel_arguments(launch_file: str, *arguments: str) -> str:
+    return next(node.args for node in resolve(launch_file, *arguments).nodes if node.name == "panel")
+
+
 class LaunchFiles(unittest.TestCase):
     def test_simulation(self) -> None:
         self.assertEqual(nodes("sim.launch"), {"/sim", "/marker_detector", "/docking", "/safety_gate"})
@@ -52,6 +56,21 @@ class LaunchFiles(unittest.TestCase):
         values = parameters("wheelchair.launch", f"camera_file:={file}", "rectified:=true")
         self.assertEqual(values["/docking/camera/image_width"], 1280)
         self.assertIs(values["/docking/rectified"], True)
+
+    def test_panel_and_rviz(self) -> None:
+        watching = nodes("wheelchair.launch", "panel:=true", "rviz:=true") - nodes("wheelchair.launch")
+        self.assertEqual(watching, {"/panel", "/scene", "/rviz"})
+
+    def test_the_panel_has_buttons_only_with_a_gate_that_watches_them(self) -> None:
+        hold = "/safety_gate/safety/hold_to_run"
+        for launch in (("wheelchair.launch",), ("sim.launch", "lock_step:=false")):
+            self.assertEqual(parameters(*launch)[hold], 0)
+            self.assertEqual(parameters(*launch, "panel:=true")[hold], 1)
+            self.assertNotIn("--view-only", panel_arguments(*launch, "panel:=true"))
+        self.assertEqual(parameters("sim.launch", "panel:=true")[hold], 0)
+        self.assertIn("--view-only", panel_arguments("sim.launch", "panel:=true"))
+        self.assertIn("--view-only", panel_arguments("watch.launch", "panel:=true"))
+        self.assertIn("--port 8500", panel_arguments("wheelchair.launch", "panel:=true", "panel_options:=--port 8500"))
 
     def test_record_and_replay(self) -> None:
         self.assertEqual(nodes("record.launch", "bag:=x.bag"), {"/record"})

@@ -1,0 +1,1 @@
+"""The adapter to ROS: topics in, hold-to-run and goals out."""

@@ -1,0 +1,1 @@
+"""What the panel shows, out of what was heard last. No ROS, no web."""

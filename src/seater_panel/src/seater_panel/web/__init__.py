@@ -1,0 +1,1 @@
+"""The web server: page, images, and a WebSocket per page. No ROS."""
