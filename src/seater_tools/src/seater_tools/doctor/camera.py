@@ -7,8 +7,7 @@ import math
 import numpy as np
 
 from seater_common.camera_model import CameraModel
-from seater_tools.doctor.observations import Observations
-from seater_tools.doctor.traffic import NOT_RUNNING
+from seater_tools.doctor.observations import NOT_RUNNING, Observations
 from seater_tools.doctor.verdict import Verdict, good, unknown, wrong
 
 SAME_PLACE, SAME_ANGLE = 0.002, math.radians(0.2)  # [m], [rad] what rounding in a robot description explains
@@ -29,7 +28,7 @@ def camera_info(observations: Observations) -> Verdict:
         return wrong(name, f"no calibration: {' '.join(seen.info_error.split())}", remedy)
     if seen.info is None:
         return unknown(name, "nothing arrives")
-    if seen.size is not None and seen.size != (seen.info.width, seen.info.height):
+    if seen.size is not None and not seen.sizes_agree:
         text = f"says {seen.info.width} x {seen.info.height}, images are {seen.size[0]} x {seen.size[1]}"
         return wrong(name, text, "calibrate at the size that is used, or set the camera driver to the calibrated size")
     if file is not None and not _one_lens(seen.info, file):

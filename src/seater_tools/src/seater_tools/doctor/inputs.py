@@ -7,8 +7,7 @@ import math
 import numpy as np
 
 from seater_tools.doctor.markers import distance
-from seater_tools.doctor.observations import Observations
-from seater_tools.doctor.traffic import NOT_RUNNING
+from seater_tools.doctor.observations import NOT_RUNNING, Observations
 from seater_tools.doctor.verdict import Verdict, good, unknown, wrong
 
 FINE = ("STOPPED", "REQUEST", "USER")  # states of a gate that nothing is wrong with

@@ -9,13 +9,12 @@ from seater_common.geometry import Chair, Dock
 from seater_nmpc.observe.measurement import MarkerSight
 from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.markers import Markers
-from seater_tools.doctor.observations import Live, Observations
-from seater_tools.doctor.sizes import SizeFit, fit_sizes, mean_corners
-from seater_tools.doctor.traffic import NOT_RUNNING
+from seater_tools.doctor.observations import NOT_RUNNING, Live, Observations
+from seater_tools.doctor.prints import PrintFit, fit_prints, mean_corners
 from seater_tools.doctor.verdict import Verdict, good, unknown, wrong
 
 SIZE_OFF = 0.03  # as plausibility/marker_scale: printers are off by up to 2 %, other paper sizes by 6 % and more
-PLACE_OFF = 0.005  # [m] that a centre may be off: a tape reads to 1 mm, prints are cut to 2 mm
+PLACE_OFF = 0.006  # [m] as plausibility/marker_place
 CERTAIN = 4.0  # standard deviations
 NOT_IN_VIEW = "no marker of the dock is in view: stand 1 to 2 m before the dock, facing it"
 INSIDE = 10.0  # [px] from the image's edge: a print that is so far inside is in view
@@ -63,12 +62,11 @@ def places(observations: Observations) -> Verdict:
     name, found = "marker places", _fit(observations)
     if isinstance(found, str):
         return unknown(name, found)
-    off = _misplaced(found)
-    if off:
-        text = f"the markers are not where the file has them, by {1000 * max(found.off.values()):.0f} mm at least"
-        remedy = "measure their places and correct the dock's file, or ./seater calibrate mount, which finds them"
-        return wrong(name, text, remedy)
-    return good(name, f"within {1000 * max(found.off.values()):.1f} mm")
+    if _misplaced(found) and found.moved is not None:
+        id, way = found.moved
+        remedy = "measure its place and correct the dock's file, or ./seater calibrate mount, which finds all places"
+        return wrong(name, f"marker {id} is {1000 * way:.0f} mm from where the file has it among the others", remedy)
+    return good(name, "where the file has them, against each other")
 
 
 def upright(observations: Observations) -> Verdict:
@@ -81,7 +79,7 @@ def upright(observations: Observations) -> Verdict:
     if not any(sight.docks for sight in live.sights):
         return unknown(name, NOT_IN_VIEW)
     found = _fit(observations)
-    if isinstance(found, SizeFit) and (_misplaced(found) or sizes(observations).ok is False):
+    if isinstance(found, PrintFit) and (_misplaced(found) or sizes(observations).ok is False):
         return unknown(name, "sizes or places of the markers come first")
     parameters = setup.controller.plausibility if setup.controller else PlausibilityParameters()
     watch = Markers(setup.chair.camera, setup.dock, parameters)
@@ -93,7 +91,7 @@ def upright(observations: Observations) -> Verdict:
     return good(name, "the dock stands upright on the floor")
 
 
-def _fit(observations: Observations) -> SizeFit | str:
+def _fit(observations: Observations) -> PrintFit | str:
     """Or why there is none."""
     live, dock = observations.live, observations.setup.dock
     if live is None:
@@ -103,7 +101,7 @@ def _fit(observations: Observations) -> SizeFit | str:
         return "the dock's file is not in order" if dock is None else "no calibration"
     if not mean_corners(live.sights):
         return NOT_IN_VIEW
-    return fit_sizes(live.sights, camera, dock) or "needs two markers in view"
+    return fit_prints(live.sights, camera, dock) or "needs two markers in view"
 
 
 def _camera(observations: Observations) -> CameraModel | None:
@@ -111,8 +109,8 @@ def _camera(observations: Observations) -> CameraModel | None:
     return (live.pictures.info if live is not None else None) or observations.setup.camera
 
 
-def _misplaced(found: SizeFit) -> bool:
-    return max(found.off.values()) > PLACE_OFF
+def _misplaced(found: PrintFit) -> bool:
+    return found.moved is not None and found.moved[1] > PLACE_OFF
 
 
 def _hidden(live: Live, dock: Dock, seen: set[int]) -> list[int]:

@@ -7,8 +7,7 @@ import math
 import numpy as np
 
 from seater_tools.adjust.robust import NoMinimumError
-from seater_tools.doctor.observations import Leg, Live, Move, Observations
-from seater_tools.doctor.traffic import NOT_RUNNING
+from seater_tools.doctor.observations import NOT_RUNNING, Leg, Live, Move, Observations
 from seater_tools.doctor.verdict import Verdict, good, unknown, wrong
 from seater_tools.drive.drive import DriveError
 from seater_tools.mount.prior import Lengths

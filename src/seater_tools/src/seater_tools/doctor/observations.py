@@ -17,6 +17,7 @@ from seater_tools.drive.drive import Drive
 
 Array = NDArray[np.float64]
 
+NOT_RUNNING = "no ROS master"  # why a check of a running system says nothing
 # Files by their role: the names of the programs' options, and of the parameters that the running nodes are given.
 ROLES = ("chair", "dock", "camera", "controller", "perception", "safety")
 # Topics by their role; the adapter knows what they are called.
@@ -79,6 +80,12 @@ class Pictures:
     cut_off: float | None = None  # share of the markers' white that is cut off at the sensor's limit
     contrast: float | None = None  # [grey levels] between the markers' white and black
     other: tuple[str, tuple[int, ...]] | None = None  # marker family and ids in the image, where none of the dock's is
+
+
+    @property
+    def sizes_agree(self) -> bool:
+        """Whether camera_info is of images of this size, as far as both are known."""
+        return self.info is None or self.size in (None, (self.info.width, self.info.height))
 
 
 @dataclass(frozen=True)

@@ -6,14 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from seater_tools.doctor.observations import Live, Observations, Traffic
+from seater_tools.doctor.observations import NOT_RUNNING, Live, Observations, Traffic
 from seater_tools.doctor.verdict import Verdict, good, unknown, wrong
 
-NOT_RUNNING = "no ROS master"
 FEWEST = 5  # messages from which a rate and an age can be told
 # Topics that must arrive: who sends them, least rate [Hz] and what it follows from.
 NEEDED = {
-    "odom": ("the chair's driver", 20.0),  # controller control/control_period
+    "odom": ("the chair's driver", 15.0),  # control cycles come with it, 20 times per second; drivers send 20 and more
     "image": ("the camera driver", 5.0),  # checks.motion.SLOWEST_CAMERA, and plausibility's five images in 1.2 s
     "camera_info": ("the camera driver", 5.0),  # one with each image
     "detections": ("the node marker_detector", 5.0),
@@ -77,8 +76,10 @@ def rate_of(role: str) -> Callable[[Observations], Verdict]:
             return unknown(name, "nobody sends it")
         if role == "detections" and len(_arrivals(live, "image")) < FEWEST:
             return unknown(name, "no images arrive")
+        if role == "detections" and (live.pictures.info is None or not live.pictures.sizes_agree):
+            return unknown(name, "camera_info comes first")
         topic = live.topics[role]
-        hertz = len(topic.arrivals) / live.duration
+        hertz = _rate(topic, live.duration)
         text = f"{hertz:.0f} Hz on {topic.name}"
         if len(topic.arrivals) == 0:
             return wrong(name, f"nothing arrives on {topic.name}", f"look at {who} and its log")
@@ -160,6 +161,13 @@ def _same(a: object, b: object) -> bool:
 def _sent(live: Live, role: str) -> bool:
     topic = live.topics.get(role)
     return topic is not None and bool(topic.publishers)
+
+
+def _rate(topic: Traffic, duration: float) -> float:
+    """[Hz] by the intervals between messages; of a few messages by their number."""
+    if len(topic.arrivals) < FEWEST or not topic.arrivals[-1] > topic.arrivals[0]:
+        return len(topic.arrivals) / duration
+    return float((len(topic.arrivals) - 1) / (topic.arrivals[-1] - topic.arrivals[0]))
 
 
 def _arrivals(live: Live, role: str) -> np.ndarray:

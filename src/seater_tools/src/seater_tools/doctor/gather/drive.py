@@ -1,6 +1,7 @@
-"""The drive of `--move`: a few centimetres ahead, a turn on the spot to both sides, and back to where it began.
+"""The drive of `--move`: 5 cm ahead, a turn on the spot to both sides, some more ahead, and back to where it began.
 
-ROS-free: odometry in, commands out. Whatever ends it, the next command is zero.
+ROS-free: odometry in, commands out. Whatever ends it, the next command is zero. The first 5 cm show whether chair and
+odometry go the way that is asked for.
 """
 
 from __future__ import annotations
@@ -16,11 +17,15 @@ from seater_common.se2 import relative, wrap_angle
 
 Array = NDArray[np.float64]
 
+PROBE = 0.05  # [m] of the first piece
 SPEED, TURNING = 0.08, 0.30  # [m/s], [rad/s]: slow, and beyond the deadband of a usual chair
 REACTION = 0.25  # [s] delay and lag, by which a stop is begun early; an error only moves the stop
 STAND = 1.5  # [s] at rest after each piece: castors and the camera's pole come to rest, images are averaged
-SLOWEST = 3.0  # times the time that a piece should take, after which it is given up
-ASTRAY = (0.15, math.radians(15.0))  # [m], [rad] beyond the piece's end, at which the drive ends
+# A piece that lasts longer than SLOWEST times its way at SPEED, and LATEST more, is given up. With an odometry that says
+# too little, that bounds how far the chair goes: 0.49 m where 0.25 m are asked for.
+SLOWEST, LATEST = 1.4, 1.5
+DEAD, MOVED = 1.5, (0.005, 0.03)  # [s] after which it must have moved by so much, [m], [rad]
+ASTRAY = (0.03, math.radians(5.0))  # [m], [rad] beyond the end, or the other way, at which the drive ends
 SILENCE = 0.3  # [s] without odometry, which ends it
 
 
@@ -37,9 +42,11 @@ class Piece:
 
 
 def pieces(way: float, turn: float) -> list[Piece]:
-    """There and back; without a turn where `turn` is 0."""
+    """There and back; without a turn where `turn` is 0. The turn comes before the rest of the way, far from walls."""
+    probe = min(PROBE, way)
     turns = [Piece(turn=turn), Piece(turn=-2.0 * turn), Piece(turn=turn)] if turn > 0.0 else []
-    return [Piece(way=way), *turns, Piece(way=-way)]
+    rest = [Piece(way=way - probe)] if way > probe else []
+    return [Piece(way=probe), *turns, *rest, Piece(way=-way)]
 
 
 class Stepper:
@@ -89,19 +96,26 @@ class Stepper:
                 self._begin_stand(now)
             return 0.0, 0.0
         piece = self._plan[self._index]
-        gone = self._gone(piece)
-        speed = SPEED if piece.way else TURNING
-        least = 2.0 * abs(piece.amount) / speed + 2.0
-        if abs(gone) > abs(piece.amount) + ASTRAY[0 if piece.way else 1]:
-            self.stop("the chair goes farther than asked for")
-        elif now - self._begun > SLOWEST * least:
-            self.stop("the chair does not get there: it stands, or its odometry does")
-        elif gone * math.copysign(1.0, piece.amount) >= abs(piece.amount) - self._stopping(piece):
+        gone = self._gone(piece) * math.copysign(1.0, piece.amount)
+        self._check(piece, gone, now - self._begun)
+        if gone >= abs(piece.amount) - self._stopping(piece):
             self._begin_stand(now)
         if self.over or self._braking:
             return 0.0, 0.0
-        signed = math.copysign(speed, piece.amount)
-        return (min(signed, self._limits.v_max), 0.0) if piece.way else (0.0, signed)
+        speed = math.copysign(SPEED if piece.way else TURNING, piece.amount)
+        return (speed, 0.0) if piece.way else (0.0, speed)
+
+    def _check(self, piece: Piece, gone: float, elapsed: float) -> None:
+        """Stop what does not do as asked."""
+        kind, speed = (0, SPEED) if piece.way else (1, TURNING)
+        if gone < -ASTRAY[kind]:
+            self.stop("by its odometry the chair goes the other way")
+        elif gone > abs(piece.amount) + ASTRAY[kind]:
+            self.stop("by its odometry the chair goes farther than asked for")
+        elif elapsed > DEAD and gone < MOVED[kind]:
+            self.stop("by its odometry the chair does not move")
+        elif elapsed > SLOWEST * abs(piece.amount) / speed + LATEST:
+            self.stop("by its odometry the chair does not get there in time")
 
     def _gone(self, piece: Piece) -> float:
         assert self._pose is not None

@@ -45,9 +45,11 @@ def other_markers(image: Image, dictionary: str, ids: Sequence[int]) -> tuple[st
         found = cv2.aruco.detectMarkers(image, cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name)), parameters=parameters)
         seen = [] if found[1] is None else found[1].ravel().tolist()
         large = [id for id, square in zip(seen, found[0], strict=True) if _side(square.reshape(4, 2)) >= SMALLEST]
-        foreign = tuple(sorted(id for id in large if name != dictionary or id not in ids))
-        if foreign and (name == dictionary or len(foreign) >= 2):
-            return name, foreign
+        if name == dictionary and large:
+            foreign = tuple(sorted(set(large) - set(ids)))
+            return (name, foreign) if foreign else None
+        if len(large) >= 2:
+            return name, tuple(sorted(large))
     return None
 
 

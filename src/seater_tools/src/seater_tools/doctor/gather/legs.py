@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, planar_pose
 from seater_common.se2 import inverse, relative
-from seater_tools.doctor.gather.drive import Piece, Stepper
+from seater_tools.doctor.gather.drive import STAND, Piece, Stepper
 from seater_tools.doctor.observations import Leg, Move, Sight
 from seater_tools.drive.drive import DriveError
 from seater_tools.drive.gather import Gatherer
@@ -23,7 +23,7 @@ FEWEST = 3  # images of a stand
 def make_move(
     plan: Sequence[Piece], stepper: Stepper, odometry: Array, sights: Sequence[Sight], chair: Chair, camera: CameraModel
 ) -> Move:
-    """odometry: (n, 6) rows as in Live, of the drive; `sights` of the same time."""
+    """odometry: (n, 6) rows as in Live, of the drive and of STAND [s] after it; `sights` of the same time."""
     gatherer = Gatherer(camera)
     for row in odometry:
         gatherer.odometry(float(row[0]), row[1:4])
@@ -34,7 +34,10 @@ def make_move(
         drive = gatherer.drive()
     except DriveError:
         drive = None
-    return Move(_legs(plan, stepper.stands, odometry, sights, chair), drive, stepper.stopped)
+    stands = list(stepper.stands)
+    if stepper.stopped and len(odometry):  # the piece that ended early, as far as it went
+        stands.append((float(odometry[-1, 0]) - 0.6 * STAND, float(odometry[-1, 0])))
+    return Move(_legs(plan, stands, odometry, sights, chair), drive, stepper.stopped)
 
 
 def _legs(

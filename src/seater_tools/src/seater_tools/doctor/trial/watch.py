@@ -15,7 +15,7 @@ from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError, load
 from seater_nmpc.observe.measurement import Hypothesis
 from seater_sim.loop.simulator import SimulatedImage, Simulator
-from seater_tools.doctor.gather.drive import Stepper, pieces
+from seater_tools.doctor.gather.drive import STAND, Stepper, pieces
 from seater_tools.doctor.gather.legs import make_move
 from seater_tools.doctor.gather.watcher import Watcher
 from seater_tools.doctor.observations import GateSeen, MarkerSeen, Move, Observations, Sight
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 WATCHED = 3.0  # [s] standing
 PERIOD = 0.05  # [s] of commands
 LONGEST = 60.0  # [s] of the drive
-WAY, TURN = 0.05, math.radians(20.0)
+WAY, TURN = 0.3, math.radians(20.0)
 ODOMETRY_DELAY = 0.01  # [s] from stamp to arrival
 
 
@@ -66,10 +66,11 @@ class Watch:
         chair = load(Chair, self._scene.files["chair"].values, "chair")
         plan, begin, sent = pieces(WAY, TURN), self._now, -math.inf
         self._stepper = Stepper(plan, chair.limits, PERIOD)
-        while self._now < begin + LONGEST:
+        end = begin + LONGEST
+        while self._now < end:
             self._step()
-            if self._stepper.over:
-                break
+            if self._stepper.over and end > self._now + STAND:
+                end = self._now + STAND
             if self._now >= sent + PERIOD - 1e-9 and self._now > begin + 0.1:
                 self._simulator.command(*self._scene.tamper.command(*self._stepper.command(self._now)))
                 sent = self._now
@@ -91,7 +92,7 @@ class Watch:
             self._gate.output(self._now)
             state = str(self._gate.state).rpartition(".")[2]
             watcher.newest.gate = GateSeen(state, "", state == "EMERGENCY_STOP")
-            watcher.newest.contact = watcher.newest.contact or due.truth.contact
+            watcher.newest.contact = self._scene.tamper.contact(due.truth.contact)
             watcher.arrived("gate_state", self._now, self._now)
 
     def _hear_odometry(self, row: Array) -> None:
