@@ -33,6 +33,8 @@ def obeys(observations: Observations) -> Verdict:
     name, move = "command path", _move(observations)
     if isinstance(move, str):
         return unknown(name, move)
+    if move.refused:
+        return wrong(name, f"the safety gate refuses: {move.refused}", "docs/safety.md#consent")
     for leg in move.legs:
         for axis, word, unit in AXES:
             asked = float(leg.asked[axis])

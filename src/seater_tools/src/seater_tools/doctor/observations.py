@@ -109,11 +109,12 @@ class Leg:
 
 @dataclass(frozen=True, eq=False)
 class Move:
-    """The drive of `--move`. `stopped`: why it ended early."""
+    """The drive of `--move`. `stopped`: why it ended early. `refused`: why the gate did not let it begin."""
 
     legs: tuple[Leg, ...]
     drive: Drive | None = None
     stopped: str = ""
+    refused: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +126,7 @@ class Live:
     simulated_time: bool = False
     lock_step: bool = False  # of a simulation, which may have simulated time
     require_contact: bool = False
+    asks_to_drive: bool = False  # --move: then the docking node must not run
     topics: Mapping[str, Traffic] = field(default_factory=dict)
     told: Mapping[str, Any] = field(default_factory=dict)  # by role: what the running nodes were given
     frames: tuple[str, str] = ("", "")  # of the odometry message: its frame and its child's

@@ -40,7 +40,7 @@ def nodes(observations: Observations) -> Verdict:
     if live is None:
         return unknown(name, NOT_RUNNING)
     missing = [f"nobody sends {_called(live, role)} ({who})" for role, (who, _) in NEEDED.items() if not _sent(live, role)]
-    if not _sent(live, "velocity_request"):
+    if not live.asks_to_drive and not _sent(live, "velocity_request"):
         missing.append(f"nobody sends {_called(live, 'velocity_request')} (the node docking)")
     motors = live.topics.get("cmd_vel")
     if motors is None or not motors.listeners:
