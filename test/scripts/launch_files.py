@@ -36,7 +36,9 @@ class LaunchFiles(unittest.TestCase):
         self.assertEqual(parameters("sim.launch", "plant:=kinematic")[kind], "kinematic")
 
     def test_wheelchair_has_no_simulator(self) -> None:
-        self.assertEqual(nodes("wheelchair.launch"), {"/marker_detector", "/docking", "/safety_gate", "/camera_tf", "/history"})
+        self.assertEqual(
+            nodes("wheelchair.launch"), {"/marker_detector", "/docking", "/safety_gate", "/camera_tf", "/history"}
+        )
         self.assertNotIn("/history", nodes("wheelchair.launch", "history:="))
         self.assertNotIn("/camera_tf", nodes("wheelchair.launch", "publish_camera_tf:=false"))
         self.assertNotIn("/use_sim_time", parameters("wheelchair.launch"))

@@ -82,12 +82,9 @@ def _check_numbers(options: argparse.Namespace) -> None:
 
 
 def _watch(options: argparse.Namespace, setup: Setup) -> Live:
-    import rospy
+    from seater_tools.ros.doctor import Names, begin, wait
 
-    from seater_tools.ros.doctor import Names, SystemWatch, wait
-
-    rospy.init_node("doctor", anonymous=True, disable_signals=True)
-    watch = SystemWatch(Names(options.image, options.odom, options.cmd_vel, options.compressed))
+    watch = begin(Names(options.image, options.odom, options.cmd_vel, options.compressed))
     wait(options.seconds)
     live = replace(watch.live(setup.dock), asks_to_drive=options.move)
     if not options.move:
@@ -112,7 +109,7 @@ def _watch(options: argparse.Namespace, setup: Setup) -> Live:
     except KeyboardInterrupt:  # zero has been sent
         return live
     finally:
-        rospy.signal_shutdown("done")
+        watch.end()
 
 
 def _agreed(options: argparse.Namespace) -> bool:

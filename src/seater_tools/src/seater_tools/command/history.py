@@ -1,7 +1,7 @@
 """What the dockings so far say: a table, trends, a picture, and warnings where something has changed.
 
-wheelchair.launch writes one line per docking. Of one dock, since its last teaching. Changes are found by tests that need
-no assumption on how values are distributed (docs/how-to/watch_the_dockings.md).
+wheelchair.launch writes one line per docking. Of one dock, since its last teaching. Changes are found by tests that
+need no assumption on how values are distributed (docs/how-to/watch_the_dockings.md).
 Exit status: 0 no drift, 1 something has changed, 2 no history, or wrong input.
 """
 
@@ -24,7 +24,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """All have defaults."""
     parser.add_argument("--file", type=Path, default=FILE, help=f"the history ({FILE})")
     parser.add_argument("--dock", help="its name (that of the last docking)")
-    parser.add_argument("--since", type=_date, metavar="DATE", help="only dockings from this day on, e.g. after a repair")
+    parser.add_argument(
+        "--since", type=_date, metavar="DATE", help="only dockings from this day on, e.g. after a repair"
+    )
     parser.add_argument("--last", type=int, default=20, metavar="N", help="dockings in the table (20)")
     parser.add_argument("--picture", type=Path, default=Path("results/history.png"), metavar="FILE",
                         help="results/history.png")  # fmt: skip

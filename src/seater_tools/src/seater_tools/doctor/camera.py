@@ -32,8 +32,10 @@ def camera_info(observations: Observations) -> Verdict:
         text = f"says {seen.info.width} x {seen.info.height}, images are {seen.size[0]} x {seen.size[1]}"
         return wrong(name, text, "calibrate at the size that is used, or set the camera driver to the calibrated size")
     if file is not None and not _one_lens(seen.info, file):
-        text = f"focal length {seen.info.K[0, 0]:.0f} px of {seen.info.width}; the file: {file.K[0, 0]:.0f} of {file.width}"
-        return wrong(name, f"is not the calibration of the file: {text}", "use one calibration in both places")
+        text = f"{seen.info.K[0, 0]:.0f} px of {seen.info.width}; the file: {file.K[0, 0]:.0f} px of {file.width}"
+        return wrong(
+            name, f"is not the calibration of the file: focal length {text}", "use one calibration in both places"
+        )
     return good(name, f"{seen.info.width} x {seen.info.height}, {seen.info.K[0, 0]:.0f} px")
 
 
@@ -59,7 +61,9 @@ def transform(observations: Observations) -> Verdict:
     turn = math.acos(max(-1.0, min(1.0, 0.5 * (float(np.trace(off[:3, :3])) - 1.0))))
     text = f"{1000 * way:.0f} mm and {math.degrees(turn):.1f} deg from chair.yaml"
     if way > SAME_PLACE or turn > SAME_ANGLE:
-        return wrong(name, text, "let one place say it: publish_camera_tf:=false with a robot description, or correct it")
+        return wrong(
+            name, text, "let one place say it: publish_camera_tf:=false with a robot description, or correct it"
+        )
     return good(name, "as chair.yaml says")
 
 

@@ -52,7 +52,9 @@ def processor(observations: Observations) -> Verdict:
         return unknown("processor", "was not watched")
     text = f"{100 * busy:.0f} % of the processors' time is taken"
     if busy > BUSY:
-        return wrong("processor", text, "end other programs, lower the camera's rate or size, or take a faster computer")
+        return wrong(
+            "processor", text, "end other programs, lower the camera's rate or size, or take a faster computer"
+        )
     return good("processor", text)
 
 
@@ -106,7 +108,9 @@ def calibration(observations: Observations) -> Verdict:
     if camera.distortion_model != "equidistant" and not VIEWS[0] < view < VIEWS[1]:
         return wrong(name, f"{text}: no usual lens; made of images of another size?", remedy)
     if abs(camera.K[1, 1] / camera.K[0, 0] - 1.0) > 0.1:
-        return wrong(name, f"{text}: its pixels are {camera.K[1, 1] / camera.K[0, 0]:.2f} times as high as wide", remedy)
+        return wrong(
+            name, f"{text}: its pixels are {camera.K[1, 1] / camera.K[0, 0]:.2f} times as high as wide", remedy
+        )
     return good(name, text)
 
 

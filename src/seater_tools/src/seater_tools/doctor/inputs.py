@@ -76,7 +76,9 @@ def contact(observations: Observations) -> Verdict:
         return unknown(name, "a file is not in order" if live.contact is not None else "no message")
     away = distance(live, setup.chair, setup.dock)
     if live.contact and away is not None and away > NEAR:
-        return wrong(name, f"closed, {away:.1f} m from the dock", "check its polarity, the cable, or a relay that sticks")
+        return wrong(
+            name, f"closed, {away:.1f} m from the dock", "check its polarity, the cable, or a relay that sticks"
+        )
     return good(name, "closed" if live.contact else "open")
 
 
@@ -121,5 +123,7 @@ def complaints(observations: Observations) -> Verdict:
     if live is None:
         return unknown(name, NOT_RUNNING)
     if live.complaints:
-        return wrong(name, "; ".join(f"{node}: {text}" for node, text in live.complaints[:3]), "look at that node's log")
+        return wrong(
+            name, "; ".join(f"{node}: {text}" for node, text in live.complaints[:3]), "look at that node's log"
+        )
     return good(name, "no errors")

@@ -51,7 +51,9 @@ def sizes(observations: Observations) -> Verdict:
     if not off or _misplaced(found):
         return good(name, ", ".join(f"{id}: {100 * r:.1f} %" for id, r in found.ratio.items()) + " of the file's")
     text = ", ".join(f"marker {id} is {100 * r:.1f} % of the file's size" for id, r in off.items())
-    remedy = "measure the black square, and correct size in the dock's file (./seater sheets corrects by a measured bar)"
+    remedy = (
+        "measure the black square, and correct size in the dock's file (./seater sheets corrects by a measured bar)"
+    )
     if len(off) == len(found.ratio):
         remedy += "; where the sizes are right, measure the distances between the markers, or calibrate the camera"
     return wrong(name, text, remedy)
@@ -122,7 +124,11 @@ def _hidden(live: Live, dock: Dock, seen: set[int]) -> list[int]:
     for marker in dock.markers:
         T = sight.docks[0].T_optical_dock @ marker.T_dock_marker()
         points = marker.corners() @ T[:3, :3].T + T[:3, 3]
-        if marker.id in seen or np.any(points[:, 2] < 0.1) or float(T[:3, 2] @ T[:3, 3]) > -0.5 * np.linalg.norm(T[:3, 3]):
+        if (
+            marker.id in seen
+            or np.any(points[:, 2] < 0.1)
+            or float(T[:3, 2] @ T[:3, 3]) > -0.5 * np.linalg.norm(T[:3, 3])
+        ):
             continue
         pixels = info.project(points)
         size = np.array([info.width, info.height])

@@ -81,7 +81,6 @@ class Pictures:
     contrast: float | None = None  # [grey levels] between the markers' white and black
     other: tuple[str, tuple[int, ...]] | None = None  # marker family and ids in the image, where none of the dock's is
 
-
     @property
     def sizes_agree(self) -> bool:
         """Whether camera_info is of images of this size, as far as both are known."""

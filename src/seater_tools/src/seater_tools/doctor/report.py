@@ -77,7 +77,9 @@ def _records(observations: Observations) -> dict[str, np.ndarray]:
     live = observations.live
     if live is None:
         return {}
-    times = {f"{role}_times": np.column_stack([t.stamps, t.arrivals]) for role, t in live.topics.items() if len(t.arrivals)}
+    times = {
+        f"{role}_times": np.column_stack([t.stamps, t.arrivals]) for role, t in live.topics.items() if len(t.arrivals)
+    }
     corners = [[s.stamp, m.id, *m.corners.ravel()] for s in live.sights for m in s.markers]
     tables = {"odometry": live.odometry, "corners": np.array(corners).reshape(-1, 10)}
     return times | {name: rows for name, rows in tables.items() if len(rows)}

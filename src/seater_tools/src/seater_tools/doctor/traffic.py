@@ -19,7 +19,10 @@ NEEDED = {
     "gate_state": ("the node safety_gate", 8.0),  # ten times per second
 }
 ALONE = ("odom", "image", "gate_state", "detections", "cmd_vel")  # topics that two senders would spoil
-STREAM_AGES = {"odom": 0.25, "image": 0.4}  # [s] largest age of a stamp at arrival (controller: 0.34 s is ODOMETRY_LOST)
+STREAM_AGES = {
+    "odom": 0.25,
+    "image": 0.4,
+}  # [s] largest age of a stamp at arrival (controller: 0.34 s is ODOMETRY_LOST)
 AHEAD = 0.02  # [s] that a stamp may lie in the future: clocks of one computer, rounding
 
 
@@ -39,14 +42,18 @@ def nodes(observations: Observations) -> Verdict:
     name, live = "nodes", observations.live
     if live is None:
         return unknown(name, NOT_RUNNING)
-    missing = [f"nobody sends {_called(live, role)} ({who})" for role, (who, _) in NEEDED.items() if not _sent(live, role)]
+    missing = [
+        f"nobody sends {_called(live, role)} ({who})" for role, (who, _) in NEEDED.items() if not _sent(live, role)
+    ]
     if not live.asks_to_drive and not _sent(live, "velocity_request"):
         missing.append(f"nobody sends {_called(live, 'velocity_request')} (the node docking)")
     motors = live.topics.get("cmd_vel")
     if motors is None or not motors.listeners:
         missing.append(f"nobody listens to {_called(live, 'cmd_vel')} (the motors)")
     if missing:
-        remedy = "start it, or give its topic to the launch file (roslaunch --ros-args seater_bringup wheelchair.launch)"
+        remedy = (
+            "start it, or give its topic to the launch file (roslaunch --ros-args seater_bringup wheelchair.launch)"
+        )
         return wrong(name, "; ".join(missing), remedy)
     return good(name, "camera, perception, docking, gate and chair are there")
 
@@ -128,7 +135,9 @@ def told(observations: Observations) -> Verdict:
         return unknown(name, "no node says what it was given")
     differing = [where for role in compared for where in _differences(observations, live, role)]
     if differing:
-        remedy = "start the nodes anew after an edit; or name the files that they were started with (--chair, --dock ...)"
+        remedy = (
+            "start the nodes anew after an edit; or name the files that they were started with (--chair, --dock ...)"
+        )
         return wrong(name, f"the running nodes have other values: {'; '.join(differing[:4])}", remedy)
     return good(name, f"{', '.join(compared)} as in the files")
 

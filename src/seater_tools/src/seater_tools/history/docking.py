@@ -17,7 +17,7 @@ class HistoryError(ValueError):
 
 @dataclass(frozen=True, kw_only=True)
 class Docking:
-    """Names and order of the fields are the columns of the file (docs/reference/history.md)."""
+    """Names and order of the fields are the columns of the file (docs/how-to/watch_the_dockings.md)."""
 
     time: datetime.datetime  # of the result, UTC
     dock: str

@@ -1,9 +1,9 @@
 """What many dockings say of the installation together.
 
-Each docking estimates by how much mount and depths are off (seater_nmpc plausibility/installation.py), with the standard
-deviation that this estimate has where nothing is wrong; one docking is mostly sure to 10 mm only. The mean, weighted by
-the inverse variances, is surer; what all dockings have in common (floors, castors, a slope at this dock) it does not
-take away, which FLOOR stands for.
+Each docking estimates by how much mount and depths are off (seater_nmpc plausibility/installation.py), with the
+standard deviation that this estimate has where nothing is wrong; one docking is mostly sure to 10 mm only. The mean,
+weighted by the inverse variances, is surer; what all dockings have in common (floors, castors, a slope at this dock) it
+does not take away, which FLOOR stands for.
 """
 
 from __future__ import annotations

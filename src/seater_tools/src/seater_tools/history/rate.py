@@ -14,8 +14,8 @@ from scipy.stats import hypergeom
 
 WINDOW = 20  # dockings
 FEWEST = 20  # before them
-# Simulated (test_history.py): of histories of 200 dockings at 2 to 15 %, at most 2 % warn at any time. From 5 % to 70 % it
-# warns after 10 dockings (median).
+# Simulated (test_history.py): of histories of 200 dockings at 2 to 15 %, at most 2 % warn at any time. From 5 % to
+# 70 % it warns after 10 dockings (median).
 P = 5e-4
 
 

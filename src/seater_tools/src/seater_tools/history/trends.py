@@ -49,7 +49,11 @@ SERIES = (
 )
 RATES: tuple[tuple[str, Callable[[Docking], bool], str], ...] = (
     ("dockings with a second try", lambda d: d.tries > 1, TEACH),
-    ("dockings that fail", lambda d: not d.success and d.code not in BY_PERSONS, "the codes: docs/reference/interfaces.md"),
+    (
+        "dockings that fail",
+        lambda d: not d.success and d.code not in BY_PERSONS,
+        "the codes: docs/reference/interfaces.md",
+    ),
 )
 
 
@@ -83,7 +87,9 @@ def warnings_of(dockings: Sequence[Docking]) -> list[Notice]:
     found += [_of_evidence(evidence) for evidence in added_up(dockings) if evidence.is_off]
     age = dockings[-1].teaching_age if dockings else math.nan
     if age > OLD:
-        found.append(Notice(f"the docked pose was taught {age:.0f} days ago", "./seater teach, where floor or wall moved"))
+        found.append(
+            Notice(f"the docked pose was taught {age:.0f} days ago", "./seater teach, where floor or wall moved")
+        )
     return found
 
 
@@ -95,11 +101,18 @@ def _of_drift(series: Series, drift: Drift, dockings: Sequence[Docking]) -> Noti
 
 
 def _of_rise(text: str, rise: Rise, remedy: str) -> Notice:
-    return Notice(f"{text}: {100 * rise.now:.0f} % of the last 20, {100 * rise.before:.0f} % before", remedy, rise.noticed)
+    return Notice(
+        f"{text}: {100 * rise.now:.0f} % of the last 20, {100 * rise.before:.0f} % before", remedy, rise.noticed
+    )
 
 
 def _of_evidence(evidence: Evidence) -> Notice:
-    words = {"mount_x": "the camera's x", "mount_y": "the camera's y", "mount_yaw": "the camera's yaw", "depth": "depths"}
+    words = {
+        "mount_x": "the camera's x",
+        "mount_y": "the camera's y",
+        "mount_yaw": "the camera's yaw",
+        "depth": "depths",
+    }
     unit, factor = {"mount_yaw": ("deg", math.degrees(1.0)), "depth": ("%", 1e2)}.get(evidence.name, ("mm", 1e3))
     value = f"{factor * evidence.value:+.1f} +- {factor * evidence.sd:.1f} {unit}"
     remedy = "./seater doctor --move, then ./seater calibrate mount"

@@ -98,6 +98,10 @@ class SystemWatch:
         live = self.watcher.live(base, self._traffic(), dock)
         return replace(live, T_base_optical=self._mount(live.frames[1] or BASE, live.pictures.frame))
 
+    def end(self) -> None:
+        """The node has done its work."""
+        rospy.signal_shutdown("done")
+
     def _subscribe(self, role: str, kind: Any, take: Callable[[Any], object]) -> None:
         def heard(message: Any) -> None:
             stamp = message.header.stamp.to_sec() if hasattr(message, "header") else math.nan
@@ -172,6 +176,12 @@ class SystemWatch:
             return matrix_of_transform(self._tf.lookup_transform(base, optical, rospy.Time()).transform)
         except (tf2_ros.TransformException, ValueError):
             return None
+
+
+def begin(names: Names) -> SystemWatch:
+    """The doctor's own node. Signals stay with the program, which has to send zero before it ends."""
+    rospy.init_node("doctor", anonymous=True, disable_signals=True)
+    return SystemWatch(names)
 
 
 def wait(seconds: float) -> None:

@@ -21,8 +21,8 @@ PROBE = 0.05  # [m] of the first piece
 SPEED, TURNING = 0.08, 0.30  # [m/s], [rad/s]: slow, and beyond the deadband of a usual chair
 REACTION = 0.25  # [s] delay and lag, by which a stop is begun early; an error only moves the stop
 STAND = 1.5  # [s] at rest after each piece: castors and the camera's pole come to rest, images are averaged
-# A piece that lasts longer than SLOWEST times its way at SPEED, and LATEST more, is given up. With an odometry that says
-# too little, that bounds how far the chair goes: 0.49 m where 0.25 m are asked for.
+# A piece that lasts longer than SLOWEST times its way at SPEED, and LATEST more, is given up. With an odometry that
+# says too little, that bounds how far the chair goes: 0.49 m where 0.25 m are asked for.
 SLOWEST, LATEST = 1.4, 1.5
 DEAD, MOVED = 1.5, (0.005, 0.03)  # [s] after which it must have moved by so much, [m], [rad]
 ASTRAY = (0.03, math.radians(5.0))  # [m], [rad] beyond the end, or the other way, at which the drive ends

@@ -42,7 +42,9 @@ def other_markers(image: Image, dictionary: str, ids: Sequence[int]) -> tuple[st
     parameters = cv2.aruco.DetectorParameters_create()
     names = [name for name in predefined_names() if name != dictionary]
     for name in [dictionary, *names] if dictionary in predefined_names() else names:
-        found = cv2.aruco.detectMarkers(image, cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name)), parameters=parameters)
+        found = cv2.aruco.detectMarkers(
+            image, cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name)), parameters=parameters
+        )
         seen = [] if found[1] is None else found[1].ravel().tolist()
         large = [id for id, square in zip(seen, found[0], strict=True) if _side(square.reshape(4, 2)) >= SMALLEST]
         if name == dictionary and large:

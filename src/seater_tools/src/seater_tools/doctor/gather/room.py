@@ -27,7 +27,5 @@ def room_for(live: Live, chair: Chair, dock: Dock, way: float, turn: float) -> s
     ahead = [compose(pose, [way + ASTRAY[0], 0.0, 0.0])]
     gap = min(clearance(chair, dock.bay, place) for place in (*turned, *ahead))
     if gap < LEAST:
-        return (
-            f"the drive would leave {gap:.2f} m to the bay's walls, {LEAST:.2f} m are needed: stand farther from the dock"
-        )
+        return f"it would leave {gap:.2f} m to the bay's walls, {LEAST:.2f} m are needed: stand farther from the dock"
     return ""

@@ -30,17 +30,51 @@ def _files() -> list[Fault]:
     behind = edits.file("dock", ("markers", 2, "position"), [1.0, -0.35, 0.7])
     broken = edits.broken_file
     return [
-        Fault(family, "chair.yaml: misspelt key", "chair file", "v_maks", edits.file("chair", ("limits", "v_maks"), 0.6)),
+        Fault(
+            family, "chair.yaml: misspelt key", "chair file", "v_maks", edits.file("chair", ("limits", "v_maks"), 0.6)
+        ),
         Fault(family, "dock file: tab, no YAML", "dock file", "cannot read", broken("dock")),
-        Fault(family, "perception.yaml: string for a number", "perception file", "must", edits.rewritten("perception", "1", "one")),
-        Fault(family, "safety.yaml: a_stop 0.01", "safety file", "a_stop", edits.rewritten("safety", "a_stop: 1.5", "a_stop: 0.01")),
-        Fault(family, "bay narrower than the chair", "files together", "width", edits.file("dock", ("bay", "width"), 0.6)),
-        Fault(family, "mount looks at the ceiling", "files together", "view", edits.file("chair", ("camera", "pitch"), -1.2)),
+        Fault(
+            family,
+            "perception.yaml: string for a number",
+            "perception file",
+            "must",
+            edits.rewritten("perception", "1", "one"),
+        ),
+        Fault(
+            family,
+            "safety.yaml: a_stop 0.01",
+            "safety file",
+            "a_stop",
+            edits.rewritten("safety", "a_stop: 1.5", "a_stop: 0.01"),
+        ),
+        Fault(
+            family, "bay narrower than the chair", "files together", "width", edits.file("dock", ("bay", "width"), 0.6)
+        ),
+        Fault(
+            family,
+            "mount looks at the ceiling",
+            "files together",
+            "view",
+            edits.file("chair", ("camera", "pitch"), -1.2),
+        ),
         Fault(family, "two markers overlap", "dock geometry", "overlap", overlapping),
         Fault(family, "marker behind the wall", "dock geometry", "behind", behind),
-        Fault(family, "id beyond the family", "dock geometry", "no marker 60", edits.file("dock", ("markers", 0, "id"), 60)),
+        Fault(
+            family,
+            "id beyond the family",
+            "dock geometry",
+            "no marker 60",
+            edits.file("dock", ("markers", 0, "id"), 60),
+        ),
         Fault(family, "calibration of half the size", "calibration", "another size", edits.lens_of_half_size),
-        Fault(family, "edited after the start", "files in use", "tolerance", edits.told("dock", ("tolerance", "position"), 0.02)),
+        Fault(
+            family,
+            "edited after the start",
+            "files in use",
+            "tolerance",
+            edits.told("dock", ("tolerance", "position"), 0.02),
+        ),
     ]
 
 
@@ -65,7 +99,9 @@ def _topics() -> list[Fault]:
         Fault(family, "no images", "image rate", "nothing", edits.tamper(image=lambda image: None)),
         Fault(family, "odometry with stamps 0", "odom stamps", "are 0", edits.tamper(odometry=edits.zero_stamp)),
         Fault(family, "camera's clock 2 s behind", "image stamps", "old", edits.tamper(image_stamp=lambda t: t - 2.0)),
-        Fault(family, "camera's clock 1 s ahead", "image stamps", "future", edits.tamper(image_stamp=lambda t: t + 1.0)),
+        Fault(
+            family, "camera's clock 1 s ahead", "image stamps", "future", edits.tamper(image_stamp=lambda t: t + 1.0)
+        ),
         Fault(family, "gyro drifts at rest", "odometry at rest", "rad/s", edits.tamper(odometry=edits.drifting)),
     ]
 

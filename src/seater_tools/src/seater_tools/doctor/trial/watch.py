@@ -1,4 +1,4 @@
-"""Watch a simulated installation in lock-step: plant, rendered images, perception's and the gate's own compiled code."""
+"""Watch a simulated installation in lock-step: plant, rendered images, the compiled perception and gate."""
 
 from __future__ import annotations
 
@@ -50,9 +50,7 @@ class Watch:
         self._hear_info()
         while self._now < begin + WATCHED:
             self._step()
-        base = dataclasses.replace(
-            scene.live, duration=WATCHED, told=scene.told, T_base_optical=scene.T_base_optical
-        )
+        base = dataclasses.replace(scene.live, duration=WATCHED, told=scene.told, T_base_optical=scene.T_base_optical)
         live = self._watcher.live(base, scene.traffic, _dock(scene))
         if scene.drive:
             live = dataclasses.replace(live, move=self._drive())
