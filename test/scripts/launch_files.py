@@ -39,7 +39,7 @@ class LaunchFiles(unittest.TestCase):
         self.assertEqual(
             nodes("wheelchair.launch"), {"/marker_detector", "/docking", "/safety_gate", "/camera_tf", "/history"}
         )
-        self.assertNotIn("/history", nodes("wheelchair.launch", "history:="))
+        self.assertNotIn("/history", nodes("wheelchair.launch", "history:=none"))
         self.assertNotIn("/camera_tf", nodes("wheelchair.launch", "publish_camera_tf:=false"))
         self.assertNotIn("/use_sim_time", parameters("wheelchair.launch"))
 

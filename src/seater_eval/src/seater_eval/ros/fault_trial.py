@@ -198,7 +198,7 @@ def main(arguments: list[str]) -> int:
     system = LaunchProcess(
         "seater_bringup",
         "wheelchair.launch",
-        {"require_contact": "true", "history": ""},
+        {"require_contact": "true", "history": "none"},
         log.with_suffix(".log"),
         chair.port,
     )

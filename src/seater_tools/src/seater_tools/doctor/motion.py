@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from seater_tools.adjust.robust import NoMinimumError
 from seater_tools.doctor.observations import NOT_RUNNING, Leg, Live, Move, Observations
@@ -14,9 +15,11 @@ from seater_tools.mount.prior import Lengths
 from seater_tools.mount.result import Calibration, judge
 from seater_tools.mount.solve import solve
 
+Array = NDArray[np.float64]
+
 NOT_MOVED = "needs a drive: --move"
 AXES = ((0, "way", "m"), (2, "turn", "rad"))
-STOOD = (0.25, 0.25)  # share of what was asked for, below which the chair has not obeyed
+STOOD = 0.25  # share of what was asked for, below which the chair has not obeyed
 # Share by which odometry and images may differ. Tyres, track and slip of usual chairs explain 4 % (plants/), five
 # centimetres seen to 1 mm 3 %.
 SCALE_OFF = 0.12
@@ -42,7 +45,7 @@ def obeys(observations: Observations) -> Verdict:
             if asked == 0.0:
                 continue
             done = [float(pose[axis]) / asked for pose in (leg.odometry, leg.images) if pose is not None]
-            if all(share < -STOOD[0] for share in done):
+            if all(share < -STOOD for share in done):
                 remedy = "swap the sign of cmd_vel in the base driver, or the motors' polarity; then check the encoders"
                 text = f"asked for a {word} of {asked:+.2f} {unit}, went {done[0] * asked:+.2f}"
                 return wrong(name, text, remedy)
@@ -61,10 +64,9 @@ def odometry_sign(observations: Observations) -> Verdict:
     if isinstance(move, str):
         return unknown(name, move)
     for axis, word, unit in AXES:
-        pairs = [(float(leg.odometry[axis]), float(leg.images[axis])) for leg in move.legs if _says(leg, axis)]
-        if not pairs:
+        odometry, images = _pairs(move, axis)
+        if len(images) == 0:
             continue
-        odometry, images = np.array(pairs).T
         scale = float(odometry @ images) / float(images @ images)
         noise = float(np.sqrt(np.mean((odometry - scale * images) ** 2))) / float(np.linalg.norm(images))
         text = f"{word}: {odometry[0]:+.3f} {unit} by the odometry, {images[0]:+.3f} by the images"
@@ -126,13 +128,20 @@ def _move(observations: Observations) -> Move | str:
 
 
 def _stood(leg: Leg) -> bool:
+    """By the odometry, and by the images where they say something."""
     axis = 0 if leg.asked[0] else 2
-    return abs(float(leg.odometry[axis])) < STOOD[0] * abs(float(leg.asked[axis]))
+    least = STOOD * abs(float(leg.asked[axis]))
+    return all(abs(float(pose[axis])) < least for pose in (leg.odometry, leg.images) if pose is not None)
 
 
-def _says(leg: Leg, axis: int) -> bool:
-    """Whether this piece moved along the axis, by images that saw both of its ends."""
-    return leg.images is not None and leg.asked[axis] != 0.0 and abs(leg.images[axis]) > STOOD[0] * abs(leg.asked[axis])
+def _pairs(move: Move, axis: int) -> Array:
+    """(2, n) odometry and images along the axis, of the pieces that moved by images that saw both of their ends."""
+    rows = [
+        (float(leg.odometry[axis]), float(leg.images[axis]))
+        for leg in move.legs
+        if leg.images is not None and abs(float(leg.images[axis])) > STOOD * abs(float(leg.asked[axis])) > 0.0
+    ]
+    return np.array(rows).reshape(-1, 2).T
 
 
 def _calibration(observations: Observations) -> Calibration | str:

@@ -9,6 +9,7 @@ import io
 import math
 import typing
 from dataclasses import dataclass
+from typing import Any
 
 
 class HistoryError(ValueError):
@@ -90,7 +91,7 @@ def _written(value: object) -> str:
     return " ".join(str(value).split())
 
 
-def _read(name: str, text: str) -> object:
+def _read(name: str, text: str) -> Any:
     kind = _TYPES[name]
     if kind is datetime.datetime:
         return datetime.datetime.fromisoformat(text.replace("Z", "+00:00"))

@@ -21,9 +21,10 @@ from statistics import NormalDist
 import numpy as np
 
 K = 0.5
-# Simulated (test_history.py does it again): of histories of 200 dockings with nine series each and nothing changed,
-# 2 % make any warning at all. A shift of 2 standard deviations after 50 dockings warns after 8 (median), of 1 after 25.
-H = 9.0
+# Simulated: of 2800 series of 200 values without a change (normal, Student's t with 2 degrees of freedom, log-normal,
+# 0 or 1) 0.25 % warn at any time; 13 are watched. A shift of 2 standard deviations after 50 values is noticed after 9
+# more (median), after 20 values after 18, one of 1 after 48.
+H = 10.0
 FEWEST = 10  # values before the first score: a rank among fewer says nothing
 
 

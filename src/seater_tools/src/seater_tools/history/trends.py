@@ -16,6 +16,7 @@ from seater_tools.history.rate import Rise, find_rise
 OLD = 365.0  # [days] after which a teaching is worth a word
 BY_PERSONS = (2, 912, 913)  # codes that say nothing of the chair: cancelled, stopped by the user, emergency stop
 TEACH = "look whether markers, contact or camera were moved; then ./seater teach, or ./seater calibrate mount"
+MOUNT = "was the camera knocked, or a marker? ./seater doctor --move, then ./seater calibrate mount"
 IMAGES = "clean lens and prints, look at light and tyres; ./seater doctor"
 TIME = "look at what stands in the way, at tyres and battery; ./seater identify"
 
@@ -44,6 +45,10 @@ SERIES = (
     Series("nis", "innovation against its own uncertainty (NIS)", "", 1.0, IMAGES),
     Series("innovation", "innovation", "mm", 1e3, IMAGES),
     Series("accepted", "share of images that are used", "%", 1e2, IMAGES),
+    Series("mount_x", "the camera's x, as dockings see it", "mm", 1e3, MOUNT),
+    Series("mount_y", "the camera's y, as dockings see it", "mm", 1e3, MOUNT),
+    Series("mount_yaw", "the camera's yaw, as dockings see it", "deg", math.degrees(1.0), MOUNT),
+    Series("depth", "distances, as dockings see them", "%", 1e2, MOUNT),
     Series("duration", "time taken", "s", 1.0, TIME),
     Series("reversals", "changes of direction", "", 1.0, TIME),
 )
@@ -107,13 +112,6 @@ def _of_rise(text: str, rise: Rise, remedy: str) -> Notice:
 
 
 def _of_evidence(evidence: Evidence) -> Notice:
-    words = {
-        "mount_x": "the camera's x",
-        "mount_y": "the camera's y",
-        "mount_yaw": "the camera's yaw",
-        "depth": "depths",
-    }
-    unit, factor = {"mount_yaw": ("deg", math.degrees(1.0)), "depth": ("%", 1e2)}.get(evidence.name, ("mm", 1e3))
-    value = f"{factor * evidence.value:+.1f} +- {factor * evidence.sd:.1f} {unit}"
-    remedy = "./seater doctor --move, then ./seater calibrate mount"
-    return Notice(f"{words[evidence.name]} by {evidence.count} dockings together off by {value}", remedy)
+    series = next(one for one in SERIES if one.name == evidence.name)
+    value = f"{series.factor * evidence.value:+.1f} +- {series.factor * evidence.sd:.1f} {series.unit}"
+    return Notice(f"{series.text}: off by {value}, {evidence.count} dockings together", MOUNT)

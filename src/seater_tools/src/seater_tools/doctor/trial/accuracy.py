@@ -12,8 +12,6 @@ from seater_tools.doctor.trial.scene import draw_scene
 from seater_tools.doctor.trial.watch import Watch
 from seater_tools.doctor.verdict import Verdict
 
-FIRST_FAULT, FIRST_GOOD = 1000, 2000  # seeds
-
 
 @dataclass(frozen=True)
 class Outcome:
@@ -26,18 +24,18 @@ class Outcome:
     crosses: list[tuple[str, str]]
 
 
-def fault_outcomes(config: Path, faults: Sequence[Fault] = FAULTS) -> Iterator[Outcome]:
+def fault_outcomes(config: Path, faults: Sequence[Fault], first_seed: int) -> Iterator[Outcome]:
     """One installation for each fault, each with a seed of its own."""
     for fault in faults:
-        seed = FIRST_FAULT + FAULTS.index(fault)
+        seed = first_seed + FAULTS.index(fault)
         crosses = [(v.name, v.what) for v in _crosses(config, seed, fault)]
         named = bool(crosses) and crosses[0][0] == fault.check and fault.word in crosses[0][1]
         yield Outcome(fault.family, fault.name, seed, named, crosses)
 
 
-def good_outcomes(config: Path, count: int) -> Iterator[Outcome]:
+def good_outcomes(config: Path, count: int, first_seed: int) -> Iterator[Outcome]:
     """Good installations, with the drive."""
-    for seed in range(FIRST_GOOD, FIRST_GOOD + count):
+    for seed in range(first_seed, first_seed + count):
         crosses = [(v.name, v.what) for v in _crosses(config, seed, None)]
         yield Outcome("good", str(seed), seed, not crosses, crosses)
 

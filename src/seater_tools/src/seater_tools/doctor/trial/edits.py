@@ -53,7 +53,10 @@ def traffic(role: str, **changes: Any) -> Edit:
 
 
 def tamper(**changes: Any) -> Edit:
-    return lambda scene: [setattr(scene.tamper, name, value) for name, value in changes.items()]
+    def edit(scene: Scene) -> None:
+        scene.tamper = dataclasses.replace(scene.tamper, **changes)
+
+    return edit
 
 
 def machine(**changes: Any) -> Edit:
@@ -81,7 +84,7 @@ def all_printed(scale: float) -> Edit:
     return lambda scene: [printed(m.id, scale)(scene) for m in scene.dock.markers]
 
 
-def light(**changes: float) -> Edit:
+def light(**changes: Any) -> Edit:
     def edit(scene: Scene) -> None:
         camera = dataclasses.replace(scene.simulator.camera, **changes)
         scene.simulator = dataclasses.replace(scene.simulator, camera=camera)
@@ -192,6 +195,11 @@ def turned_about(row: np.ndarray) -> np.ndarray:
 def scaled(factor: float) -> Callable[[np.ndarray], np.ndarray]:
     origin = np.array([0.0, 3.0, -1.5, 0.0, 0.0, 0.0])
     return lambda row: origin + (row - origin) * [1.0, factor, factor, 1.0, factor, 1.0]
+
+
+def frozen(row: np.ndarray) -> np.ndarray:
+    """The same pose and no speed, with fresh stamps."""
+    return np.array([row[0], 3.0, -1.5, 0.6, 0.0, 0.0])
 
 
 def drifting(row: np.ndarray) -> np.ndarray:

@@ -156,6 +156,7 @@ def _motion() -> list[Fault]:
     drives = [
         ("motors reversed", "command path", "went -", edits.tamper(command=backward)),
         ("motors without power", "command path", "does not move", edits.tamper(command=lambda v, omega: (0.0, 0.0))),
+        ("odometry frozen", wheels, "+0.000", edits.tamper(odometry=edits.frozen)),
         ("odometry counts backward", wheels, "way: -", edits.tamper(odometry=edits.reversed_way)),
         ("odometry turns the other way", wheels, "turn: ", edits.tamper(odometry=edits.turned_about)),
         ("wheels 25 % too large", wheels, "times", edits.tamper(odometry=edits.scaled(0.75))),
