@@ -14,7 +14,7 @@ from as_typed import run
 from seater_tools.history import store
 from seater_tools.history.collect import Collector, Result
 from seater_tools.history.docking import COLUMNS, Docking, HistoryError, as_line
-from seater_tools.history.drift import H, find_drift, normal_scores
+from seater_tools.history.drift import find_drift, normal_score
 from seater_tools.history.evidence import added_up
 from seater_tools.history.rate import find_rise
 from seater_tools.history.store import append, read
@@ -109,7 +109,8 @@ def test_a_docking_is_collected() -> None:
 
 def test_scores_of_what_does_not_change_are_standard_normal() -> None:
     """Whatever its distribution: here Cauchy's, which has no variance."""
-    scores = np.array(normal_scores(np.random.default_rng(1).standard_cauchy(1500)))[10:]
+    values = np.random.default_rng(1).standard_cauchy(1500)
+    scores = np.array([normal_score(values[:n], values[n]) for n in range(20, len(values))])
     assert abs(scores.mean()) < 0.1 and scores.std() == pytest.approx(1.0, abs=0.06)
     assert abs(np.corrcoef(scores[1:], scores[:-1])[0, 1]) < 0.1
 
@@ -126,13 +127,11 @@ def test_a_shift_is_found_where_it_began(shift: float) -> None:
 
 
 def test_false_warnings_are_rare_and_real_changes_are_found() -> None:
-    """Of 60 histories of 100 dockings without a change; bars: those of drift.py and rate.py, with four times as many
-    allowed as expected there."""
+    """Of 60 series of 100 values without a change 0.1 are expected to warn (drift.py), of 20 of the other kind 0.2."""
     rng = np.random.default_rng(3)
     warned = sum(find_drift(rng.standard_normal(100)) is not None for _ in range(60))
     risen = sum(find_rise(rng.random(100) < 0.05) is not None for _ in range(20))
-    assert warned <= 2 and risen <= 1
-    assert H > 5.0  # of a single series
+    assert warned <= 1 and risen <= 1
     rise = find_rise(np.append(rng.random(60) < 0.05, rng.random(25) < 0.7))
     assert rise is not None and rise.now > 3 * rise.before
 
@@ -146,6 +145,16 @@ def test_many_dockings_say_what_one_cannot() -> None:
     assert not added_up(off[:1])
     assert not any(e.is_off for e in added_up([dataclasses.replace(d, mount_y=0.01) for d in off]))
     assert any("camera's y" in notice.text and "calibrate mount" in notice.remedy for notice in warnings_of(off))
+
+
+def test_a_camera_that_was_knocked_in_simulation_is_noticed() -> None:
+    """Dockings out of rendered images in lock-step, seeds 0 to 31; from the 25th on the camera sits 60 mm ahead, and
+    the chair ends 60 mm from the docked pose, called SUCCESS."""
+    dockings, damaged = read(Path(__file__).with_name("simulated_history.csv"))
+    assert len(dockings) == 32 and damaged == 0 and all(d.success for d in dockings)
+    assert warnings_of(dockings[:24]) == []
+    (notice,) = (n for n in warnings_of(dockings) if "distances" in n.text)
+    assert notice.at is not None and 22 <= notice.at <= 26 and "doctor --move" in notice.remedy
 
 
 def test_only_dockings_of_one_dock_and_one_teaching_count() -> None:

@@ -20,7 +20,7 @@ from seater_msgs.msg import DockActionGoal, DockActionResult, DockInnovation
 from seater_tools.history.collect import Collector, Result
 from seater_tools.history.store import append
 
-WAIT = 3.0  # [s] for the docking node's next diagnostics, which come once a second, and then without
+WAIT = 5.0  # [s] for the docking node's next diagnostics, which come once a second, and then without
 _VALUE = re.compile(r"^(?P<value>\S+) \+- (?P<sd>\S+)$")
 _KEY = "installation: "
 
