@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -174,39 +173,3 @@ def other_ids(scene: Scene) -> None:
 def covered(scene: Scene) -> None:
     markers = [m for m in scene.dock.markers if m.id != 2]
     scene.dock = dataclasses.replace(scene.dock, markers=markers)
-
-
-def zero_stamp(row: np.ndarray) -> np.ndarray:
-    return np.array([0.0, *row[1:]])
-
-
-def reversed_way(row: np.ndarray) -> np.ndarray:
-    """Way counted backward: as encoders of the wrong polarity, about the pose at which the simulator begins."""
-    heading, x, y = 0.6, 3.0, -1.5
-    ahead = (row[1] - x) * math.cos(heading) + (row[2] - y) * math.sin(heading)
-    return row - 2.0 * ahead * np.array([0.0, math.cos(heading), math.sin(heading), 0.0, 0.0, 0.0])
-
-
-def turned_about(row: np.ndarray) -> np.ndarray:
-    """Turns counted the other way."""
-    return np.array([*row[:3], 1.2 - row[3], row[4], -row[5]])
-
-
-def scaled(factor: float) -> Callable[[np.ndarray], np.ndarray]:
-    origin = np.array([0.0, 3.0, -1.5, 0.0, 0.0, 0.0])
-    return lambda row: origin + (row - origin) * [1.0, factor, factor, 1.0, factor, 1.0]
-
-
-def frozen(row: np.ndarray) -> np.ndarray:
-    """The same pose and no speed, with fresh stamps."""
-    return np.array([row[0], 3.0, -1.5, 0.6, 0.0, 0.0])
-
-
-def drifting(row: np.ndarray) -> np.ndarray:
-    return row + 0.03 * row[0] * np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0])
-
-
-def every(n: int) -> Callable[[np.ndarray], np.ndarray | None]:
-    """Only one message of n."""
-    count = iter(range(10**9))
-    return lambda row: row if next(count) % n == 0 else None

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from seater_tools.doctor.trial import edits
+from seater_tools.doctor.trial import edits, rows
 from seater_tools.doctor.trial.edits import Edit
 
 
@@ -100,15 +100,15 @@ def _topics() -> list[Fault]:
             "one message of ten of the odometry",
             "odom rate",
             "are needed",
-            edits.tamper(odometry=edits.every(10)),
+            edits.tamper(odometry=rows.every(10)),
         ),
         Fault(family, "no images", "image rate", "nothing", edits.tamper(image=lambda image: None)),
-        Fault(family, "odometry with stamps 0", "odom stamps", "are 0", edits.tamper(odometry=edits.zero_stamp)),
+        Fault(family, "odometry with stamps 0", "odom stamps", "are 0", edits.tamper(odometry=rows.zero_stamp)),
         Fault(family, "camera's clock 2 s behind", "image stamps", "old", edits.tamper(image_stamp=lambda t: t - 2.0)),
         Fault(
             family, "camera's clock 1 s ahead", "image stamps", "future", edits.tamper(image_stamp=lambda t: t + 1.0)
         ),
-        Fault(family, "gyro drifts at rest", "odometry at rest", "rad/s", edits.tamper(odometry=edits.drifting)),
+        Fault(family, "gyro drifts at rest", "odometry at rest", "rad/s", edits.tamper(odometry=rows.drifting)),
     ]
 
 
@@ -162,10 +162,10 @@ def _motion() -> list[Fault]:
     drives = [
         ("motors reversed", "command path", "went -", edits.tamper(command=backward)),
         ("motors without power", "command path", "does not move", edits.tamper(command=lambda v, omega: (0.0, 0.0))),
-        ("odometry frozen", wheels, "+0.000", edits.tamper(odometry=edits.frozen)),
-        ("odometry counts backward", wheels, "way: -", edits.tamper(odometry=edits.reversed_way)),
-        ("odometry turns the other way", wheels, "turn: ", edits.tamper(odometry=edits.turned_about)),
-        ("wheels 25 % too large", wheels, "times", edits.tamper(odometry=edits.scaled(0.75))),
+        ("odometry frozen", wheels, "+0.000", edits.tamper(odometry=rows.frozen)),
+        ("odometry counts backward", wheels, "way: -", edits.tamper(odometry=rows.reversed_way)),
+        ("odometry turns the other way", wheels, "turn: ", edits.tamper(odometry=rows.turned_about)),
+        ("wheels 25 % too large", wheels, "times", edits.tamper(odometry=rows.scaled(0.75))),
         ("camera 50 mm ahead", "camera mount", "x of", edits.camera(x=0.05)),
         ("camera 96 mm back", "camera mount", "x of", edits.camera(x=-0.096)),
         ("camera 40 mm aside", "camera mount", "y of", edits.camera(y=0.04)),
