@@ -3,11 +3,15 @@
 
 import subprocess
 import sys
+import time
+from pathlib import Path
 
+import rospy
 import rostest
 from seater_test.harness import DockingCase
 
 from seater_msgs.msg import DockResult
+from seater_tools.history.store import read
 
 
 def fail(*words: str) -> subprocess.CompletedProcess[str]:
@@ -45,6 +49,21 @@ class FreeRunning(DockingCase):
         self.assert_commands_within_limits()
         position, _ = self.final_error()
         self.assertLess(position, 0.03)
+        self.assert_history([lost, disobeyed, result])
+
+    def assert_history(self, results: list[DockResult]) -> None:
+        """A line for each docking, once the docking node's diagnostics have come."""
+        path, end = Path(rospy.get_param("~history")), time.monotonic() + 15.0
+        while time.monotonic() < end and (not path.exists() or len(read(path)[0]) < len(results)):
+            time.sleep(0.2)
+        dockings, damaged = read(path)
+        path.unlink()
+        path.with_name(f".{path.name}.lock").unlink()
+        self.assertEqual(([docking.code for docking in dockings], damaged), ([r.result_code for r in results], 0))
+        last = dockings[-1]
+        self.assertAlmostEqual(last.x, results[-1].longitudinal_error, places=6)
+        self.assertEqual((last.contact, last.tries), (1, 1 + results[-1].num_retries))
+        self.assertTrue(last.nis > 0.0 and last.mount_x_sd > 0.0 and 0.0 < last.accepted <= 1.0, last)
 
 
 if __name__ == "__main__":

@@ -40,12 +40,16 @@ class LaunchFiles(unittest.TestCase):
         self.assertEqual(parameters("sim.launch", "plant:=kinematic")[kind], "kinematic")
 
     def test_wheelchair_has_no_simulator(self) -> None:
-        self.assertEqual(nodes("wheelchair.launch"), {"/marker_detector", "/docking", "/safety_gate"})
+        self.assertEqual(
+            nodes("wheelchair.launch"), {"/marker_detector", "/docking", "/safety_gate", "/camera_tf", "/history"}
+        )
+        self.assertNotIn("/history", nodes("wheelchair.launch", "history:=none"))
+        self.assertNotIn("/camera_tf", nodes("wheelchair.launch", "publish_camera_tf:=false"))
         self.assertNotIn("/use_sim_time", parameters("wheelchair.launch"))
 
     def test_wheelchair_camera_mount_reaches_every_user(self) -> None:
         values = parameters("wheelchair.launch", "camera_x:=0.33", "camera_pitch:=0.12")
-        for node in ("docking", "marker_detector"):
+        for node in ("docking", "marker_detector", "camera_tf"):
             self.assertEqual(values[f"/{node}/chair/camera/x"], 0.33)
             self.assertEqual(values[f"/{node}/chair/camera/pitch"], 0.12)
 

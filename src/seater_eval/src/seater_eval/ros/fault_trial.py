@@ -196,7 +196,11 @@ def main(arguments: list[str]) -> int:
     chair = LaunchProcess("seater_bringup", "simulated_chair.launch", START, log.with_suffix(".chair.log"))
     # The chair lives on when what people launch has ended.
     system = LaunchProcess(
-        "seater_bringup", "wheelchair.launch", {"require_contact": "true"}, log.with_suffix(".log"), chair.port
+        "seater_bringup",
+        "wheelchair.launch",
+        {"require_contact": "true", "history": "none"},
+        log.with_suffix(".log"),
+        chair.port,
     )
     with chair, system:
         os.environ.update(ROS_MASTER_URI=chair.master_uri, ROS_HOSTNAME="localhost")

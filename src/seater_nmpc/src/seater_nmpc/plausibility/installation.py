@@ -31,6 +31,7 @@ from seater_nmpc.plausibility.castors import Castors
 Array = NDArray[np.float64]
 
 NAMES = ("the camera's x", "the camera's y", "the camera's yaw", "focal length or print size")
+KEYS = ("mount_x", "mount_y", "mount_yaw", "depth")  # the same, short
 PRIOR = np.array([0.03, 0.03, 0.03, 0.05])  # standard deviations before anything was measured
 _SLIPS = (0.15, 0.4, 1.0)
 # Standard deviations of constant errors of the odometry (scale, turning scale, turn per metre), whatever is configured:

@@ -17,7 +17,7 @@ from seater_nmpc.observe.prediction import CommandHistory
 from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Contradiction, Kind
 from seater_nmpc.plausibility.image_motion import Shown, contradiction, speeds_by_images
-from seater_nmpc.plausibility.installation import NAMES, Installation
+from seater_nmpc.plausibility.installation import KEYS, NAMES, Installation
 from seater_nmpc.plausibility.markers import Markers
 from seater_nmpc.plausibility.response import Response
 
@@ -80,6 +80,16 @@ class Watch:
         off = f"{1e3 * math.hypot(x, y):.0f} mm and {math.degrees(abs(heading)):.1f} deg"
         text = f"images and odometry fit together only if the chair is {off} off: check {NAMES[error.suspect]}"
         return Contradiction(Kind.INCONSISTENT, f"{text} (chair.yaml, camera_info, the dock's file)")
+
+    @property
+    def installation(self) -> dict[str, tuple[float, float]]:
+        """By how much mount (x, y [m], yaw [rad]) and depths (share) seem to be off by this goal so far, and the
+        standard deviation of that where nothing is; empty: it says nothing."""
+        error = self._installation.error()
+        if error is None:
+            return {}
+        sds = np.sqrt(np.diag(error.noise))
+        return {name: (float(v), float(sd)) for name, v, sd in zip(KEYS, error.values, sds, strict=True)}
 
     @property
     def final_error(self) -> Array:

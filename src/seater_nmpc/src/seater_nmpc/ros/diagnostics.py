@@ -18,6 +18,7 @@ class Diagnostics:
 
     def __init__(self, controller: DockingController, observer: DockObserver, period: float) -> None:
         self._controller, self._observer, self._period = controller, observer, period
+        self.installation: dict[str, tuple[float, float]] = {}  # of the last goal, see DockingSequence.installation
         self._solve_times: deque[float] = deque(maxlen=200)
         self._age, self._consecutive = -1.0, 0
         rate = {"min": 1.0 / period, "max": 1.0 / period}
@@ -73,3 +74,5 @@ class Diagnostics:
         if estimate is not None:
             status.add("wheels slip, 0 to 1", f"{estimate.slip:.2f}")
             status.add("gyro bias [rad/s]", f"{estimate.drift[3]:.4f}")
+        for name, (value, sd) in self.installation.items():  # [m], [rad], share; read by the history
+            status.add(f"installation: {name}", f"{value:.5f} +- {sd:.5f}")

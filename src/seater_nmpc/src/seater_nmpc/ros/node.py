@@ -163,6 +163,7 @@ class DockingNode:
         self._goals.publish(step)
         if step.result is not None:
             self._zeros = ZEROS_AFTER_GOAL
+            self._diagnostics.installation = self._core.sequence.installation
             self._gate.release(step.result)
 
     def _report(self, command: Command, phase: str) -> None:

@@ -200,6 +200,11 @@ class DockingSequence:
         )
 
     @property
+    def installation(self) -> dict[str, tuple[float, float]]:
+        """What the last goal has found of the installation, see Watch.installation."""
+        return self._watch.installation
+
+    @property
     def _docking(self) -> bool:
         return self._phases.phase is not Phase.UNDOCKING
 

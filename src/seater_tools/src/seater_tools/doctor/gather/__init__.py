@@ -1,0 +1,1 @@
+"""From messages, images and files to observations; and the drive of `--move`."""

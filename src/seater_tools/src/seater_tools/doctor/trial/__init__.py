@@ -1,0 +1,1 @@
+"""The doctor against simulated installations whose faults are known."""
