@@ -40,6 +40,12 @@ class SequenceParameters:
     retry_distance: float = param(
         1.0, "m", "how far it backs out then, if it stands nearly right (at most to predock_x)", low=0.1, high=5.0
     )
+    back_out_speed: float = param(
+        0.15, "m/s", "backing out of the bay or off from a place, where as a rule no sensor looks", low=0.02, high=1.0
+    )
+    back_out_wait: float = param(
+        20.0, "s", "how long it waits there for something in the way, getting nowhere", low=0.0, high=600.0
+    )
     gate_distance: float = param(
         0.10, "m", "distance before the bay at which the corridor decides on a retry", low=0.0, high=2.0
     )

@@ -45,6 +45,7 @@ class Gate:
         simulator waits for the slowest."""
         self._lock_step = lock_step
         self._consent, self._confirmed, self._heard = 0, False, 0.0
+        self.held_by = ""  # why the gate stopped the chair last for something in the way
         self._held: deque[tuple[float, bool]] = deque([(0.0, False)], maxlen=100)  # stamp [s], see `holds`
         self._motor_fault = rospy.Publisher("motor_fault", MotorFault, queue_size=10, tcp_nodelay=True)
         self._service = rospy.ServiceProxy("gate_arm", GateArm)
@@ -71,7 +72,9 @@ class Gate:
 
     def on_state(self, message: GateState) -> Loss | None:
         """Whether the consent of this goal has ended with what the gate says."""
-        self._held.append((message.header.stamp.to_sec(), message.state == GateState.OBSTACLE))
+        held = message.state == GateState.OBSTACLE
+        self._held.append((message.header.stamp.to_sec(), held))
+        self.held_by = message.reason if held else self.held_by
         if not self._consent:
             return None
         if message.consent == self._consent:

@@ -52,7 +52,7 @@ class DockingNode:
         self._diagnostics = Diagnostics(core.controller, core.observer, self._period)
         self._goals = Goals(self._enqueue)
         self._gate = Gate(self._enqueue, lock_step=lock_step)
-        self._zone = SpeedZone(core.vehicle.chair, core.dock)
+        self._zone = SpeedZone(core.vehicle.chair, core.dock, core.parameters.sequence.back_out_speed)
         threading.Thread(target=self._work, daemon=True).start()
         threading.Thread(target=self._watch, daemon=True).start()
         rospy.on_shutdown(self._on_shutdown)
@@ -138,7 +138,7 @@ class DockingNode:
             command = self._core.shadow.update(now)
             self._report(self._core.vehicle.command(command or Command(v=0.0, omega=0.0)), "SHADOW")
         elif self._core.sequence.active:
-            self._core.sequence.held = self._gate.holds(now)
+            self._core.sequence.held, self._core.sequence.held_by = self._gate.holds(now), self._gate.held_by
             self._send(self._core.sequence.update(now, self._contact))
         else:
             if self._zeros > 0:
@@ -153,8 +153,9 @@ class DockingNode:
 
     def _tell_zone(self) -> None:
         estimate, newest = self._core.observer.estimate(), self._core.observer.odometry.newest
-        if self._core.shadow is None and estimate is not None and newest is not None:
-            self._zone.update(self._out.stamp, estimate.pose, newest.pose)
+        if self._core.shadow is None and newest is not None:
+            dock = None if estimate is None else estimate.pose
+            self._zone.update(self._out.stamp, dock, newest.pose, backs_out=self._core.sequence.backs_out)
 
     def _send(self, step: Step) -> None:
         command = self._core.vehicle.command(step.command)

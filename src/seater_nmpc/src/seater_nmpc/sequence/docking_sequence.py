@@ -70,6 +70,7 @@ class DockingSequence:
         )
         self.active = self._cancelled = False
         self.held = False  # the safety gate lets nothing pass, as something is in the way: standing is no failure then
+        self.held_by = ""  # that, in words
 
     def start_dock(
         self, now: float, timeout: float = 0.0, prior: ArrayLike | None = None, prior_radius: float = 1.0
@@ -123,6 +124,7 @@ class DockingSequence:
         if not self.active:
             raise ValueError("no goal is active")
         self._phases.contact = contact
+        self._phases.held_by = (self.held_by or "the safety gate holds the chair") if self.held else ""
         if self.held:
             self._phases.stand_patiently()
         try:
@@ -134,6 +136,11 @@ class DockingSequence:
                 return self._finish(now, ResultCode[doubt.kind.name], doubt.text)
             return self._finish(now, end.code, end.text)
         return self._step(now, command)
+
+    @property
+    def backs_out(self) -> bool:
+        """Whether the chair is backing out, which is done slowly, as no sensor looks there."""
+        return self.active and self._phases.backs_out
 
     def abort(self, now: float, code: ResultCode, text: str) -> Step:
         """End the active goal from outside (no more odometry, an error in the adapter): zero, with this result."""
