@@ -46,6 +46,13 @@ class SequenceParameters:
     back_out_wait: float = param(
         20.0, "s", "how long it waits there for something in the way, getting nowhere", low=0.0, high=600.0
     )
+    pause_time: float = param(
+        0.0,
+        "s",
+        "how long a goal that a person has stopped waits for `docking_resume`; 0: it ends at once",
+        low=0.0,
+        high=3600.0,
+    )
     gate_distance: float = param(
         0.10, "m", "distance before the bay at which the corridor decides on a retry", low=0.0, high=2.0
     )

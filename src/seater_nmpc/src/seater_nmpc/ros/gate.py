@@ -26,6 +26,7 @@ CODES = {
     GateState.WRONG_DIRECTION: ResultCode.WRONG_DIRECTION,
     GateState.OBSTACLE: ResultCode.BLOCKED,
 }
+BY_A_PERSON = (ResultCode.STOPPED_BY_USER, ResultCode.EMERGENCY_STOP)
 MOTOR_FAULTS = {CODES[state]: state for state in (GateState.RUNAWAY, GateState.WRONG_DIRECTION)}
 
 
@@ -65,7 +66,8 @@ class Gate:
         self._consent, self._confirmed, self._heard = answer.consent, False, time.monotonic()
 
     def release(self, result: Result | None = None) -> None:
-        """The goal has ended. Motors that do not obey are told to stop in vain: the gate takes their power."""
+        """The goal has ended or is paused. Motors that do not obey are told to stop in vain: the gate takes their
+        power."""
         self._consent = 0
         if result is not None and result.code in MOTOR_FAULTS:
             self._motor_fault.publish(MotorFault(state=MOTOR_FAULTS[result.code], reason=result.text))

@@ -19,16 +19,17 @@ from seater_nmpc.control.command import Command
 from seater_nmpc.ros import conversions
 from seater_nmpc.ros.core import flag, load_core
 from seater_nmpc.ros.diagnostics import Diagnostics
-from seater_nmpc.ros.gate import Gate, Loss
+from seater_nmpc.ros.gate import BY_A_PERSON, Gate, Loss
 from seater_nmpc.ros.goal_checks import RefusedError, check_goal
 from seater_nmpc.ros.goals import Goals
 from seater_nmpc.ros.obstacles import Obstacles
 from seater_nmpc.ros.publishers import Publishers
+from seater_nmpc.ros.resume import Call, ResumeService
 from seater_nmpc.ros.speed_zone import SpeedZone
 from seater_nmpc.ros.transforms import TransformBuffer
-from seater_nmpc.sequence.results import ResultCode, Step
+from seater_nmpc.sequence.results import Phase, ResultCode, Step
 
-ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal
+ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal, or the beginning of a pause
 TIME_JUMP = 1.0  # [s] odometry this much older than the last one means that time started anew
 
 
@@ -58,6 +59,7 @@ class DockingNode:
         rospy.on_shutdown(self._on_shutdown)
         self._subscribe()
         if core.shadow is None:
+            self._resume = ResumeService(self._enqueue)
             self._goals.start()
         solver = core.parameters.control.solver
         rospy.loginfo("docking node ready (%s%s)", solver, "" if core.shadow is None else ", shadow")
@@ -86,6 +88,7 @@ class DockingNode:
             "contact": lambda closed: setattr(self, "_contact", bool(closed)),
             "goal": lambda goal: self._on_goal(*goal),
             "cancel": self._on_cancel,
+            "resume": self._on_resume,
             "gate": lambda message: self._on_gate(self._gate.on_state(message)),
             "gate silent": lambda _: self._on_gate(self._gate.silence()),
             "watchdog": lambda _: self._abort(ResultCode.ODOMETRY_LOST, "no odometry arrives"),
@@ -157,14 +160,17 @@ class DockingNode:
             dock = None if estimate is None else estimate.pose
             self._zone.update(self._out.stamp, dock, newest.pose, backs_out=self._core.sequence.backs_out)
 
-    def _send(self, step: Step) -> None:
+    def _send(self, step: Step, *, release: bool = True) -> None:
         command = self._core.vehicle.command(step.command)
-        self._out.request(command.v, command.omega)
+        if step.phase is not Phase.PAUSED or self._zeros > 0:  # there is no consent then, and nothing to ask for
+            self._out.request(command.v, command.omega)
+            self._zeros = max(0, self._zeros - 1)
         self._report(command, step.phase.name)
         self._goals.publish(step)
         if step.result is not None:
             self._zeros = ZEROS_AFTER_GOAL
-            self._gate.release(step.result)
+            if release:
+                self._gate.release(step.result)
 
     def _report(self, command: Command, phase: str) -> None:
         estimate, counters = self._core.observer.estimate(), self._core.controller.counters
@@ -196,7 +202,7 @@ class DockingNode:
             self._gate.arm()  # a new goal is a new consent
         except RefusedError as refused:
             return self._goals.refuse(kind, handle, refused.code, refused.text)
-        self._abort(ResultCode.CANCELED, "replaced by a new goal")
+        self._abort(ResultCode.CANCELED, "replaced by a new goal", release=False)
         self._goals.accept(kind, handle)
         counters = self._core.controller.counters
         self._fallbacks_before = counters.shifted + counters.braked
@@ -210,12 +216,33 @@ class DockingNode:
             self._abort(ResultCode.CANCELED, "cancelled")
 
     def _on_gate(self, loss: Loss | None) -> None:
-        if loss is not None:
+        if loss is None:
+            return
+        if loss.code in BY_A_PERSON and self._core.sequence.can_pause:
+            self._gate.release()
+            self._zeros = ZEROS_AFTER_GOAL
+            self._send(self._core.sequence.pause(self._out.stamp.to_sec(), loss.code, loss.text))
+        else:
             self._abort(loss.code, loss.text)
 
-    def _abort(self, code: ResultCode, text: str) -> None:
+    def _on_resume(self, call: Call) -> None:
+        call.work(self._go_on)
+
+    def _go_on(self) -> str:
+        """Empty, or why the paused goal does not go on."""
+        if not self._core.sequence.paused:
+            return "no goal is paused"
+        try:
+            self._gate.arm()  # a person asks for it: a new consent
+        except RefusedError as refused:
+            return refused.text
+        self._core.sequence.resume(self._out.stamp.to_sec())
+        return ""
+
+    def _abort(self, code: ResultCode, text: str, *, release: bool = True) -> None:
+        """`release`: the consent, too; else it is the next goal's already."""
         if self._core.sequence.active:
-            self._send(self._core.sequence.abort(self._out.stamp.to_sec(), code, text))
+            self._send(self._core.sequence.abort(self._out.stamp.to_sec(), code, text), release=release)
 
     def _watch(self) -> None:
         """Zero when the odometry stops or the gate is silent during a goal, even when the worker is busy.

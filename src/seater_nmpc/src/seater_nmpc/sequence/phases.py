@@ -116,6 +116,15 @@ class Phases:
         self._controller.set_speed_limit()
         self._enter(phase)
 
+    def resume(self, now: float, paused: float) -> None:
+        """Go on with the goal after a pause of `paused` [s], from wherever the chair is now [message time]."""
+        self.now = now
+        self.deadlines.put_off(paused)
+        self._controller.history.clear()
+        self._blind_since = None
+        self._lost = self._went_round = False
+        self._enter(Phase.UNDOCKING if self.phase is Phase.UNDOCKING else Phase.WAITING_FOR_DOCK)
+
     def command(self, chair: Instant) -> Command:
         """What the present phase asks for. Raises GoalEnd."""
         if self.phase in _MOVING:

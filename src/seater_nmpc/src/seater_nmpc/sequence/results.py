@@ -20,6 +20,7 @@ class Phase(IntEnum):
     UNDOCKING = 6
     CORRECTING = 7
     SEARCHING = 8
+    PAUSED = 9
 
 
 class ResultCode(IntEnum):
