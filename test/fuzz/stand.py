@@ -132,7 +132,7 @@ class Service:
     def wait_for_service(self, timeout: float) -> None:
         pass
 
-    def __call__(self) -> GateArmResponse:
+    def __call__(self, undock: bool) -> GateArmResponse:
         return self._answer()
 
 
@@ -159,6 +159,7 @@ class Handle:
 
     def __init__(self, goal: Any, stand: Stand) -> None:
         self._goal, self._stand = goal, stand
+        self.goal = SimpleNamespace(goal=goal, _connection_header={"callerid": "/client"})
 
     def get_goal(self) -> Any:
         return self._goal

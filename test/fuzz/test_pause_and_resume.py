@@ -102,3 +102,19 @@ def test_a_new_goal_replaces_a_paused_one_and_listens_to_the_gate(stand: Stand) 
     assert stand.results[-1].result_code == DockResult.CANCELED and drive.docks(RECOVERS)
     stopped(stand, drive, GateState.FAULT)
     assert not stand.active and stand.results[-1].result_code == ResultCode.GATE_LOST
+
+
+def test_a_goal_ends_when_its_client_is_gone(stand: Stand) -> None:
+    """As the watching thread says; a goal that has ended meanwhile has no client any more."""
+    drive, watch = Drive(stand), stand.node._client
+    watch._timeout = 60.0
+    assert drive.docks(RECOVERS)
+    stand.node._enqueue("client lost", None)
+    stand.node._work()
+    assert stand.active, "it has answered"
+    watch._answered -= 60.1
+    stand.node._enqueue("client lost", None)
+    stand.node._work()
+    assert not stand.active and stand.results[-1].result_code == DockResult.CLIENT_LOST
+    assert stand.results[-1].result_text.startswith("/client, which gave the goal, has not answered for ")
+    assert stand.sent["velocity_request"][-1].twist.linear.x == 0.0 and watch.lost() == ""

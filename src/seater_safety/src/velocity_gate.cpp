@@ -152,6 +152,11 @@ Velocity VelocityGate::wanted(double now) {
     joystick_.lock(now);
     return {};
   }
+  if (inhibited()) {
+    state_ = GateState::kCharging;
+    joystick_.lock(now);
+    return {};
+  }
   if (joystick_.drives(now)) {
     state_ = GateState::kUser;
     power_cut_ = false;

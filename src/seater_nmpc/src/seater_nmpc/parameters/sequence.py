@@ -53,6 +53,9 @@ class SequenceParameters:
         low=0.0,
         high=3600.0,
     )
+    client_timeout: float = param(
+        0.0, "s", "how long the node that gave the goal may be gone until it ends; 0: for ever", low=0.0, high=60.0
+    )
     gate_distance: float = param(
         0.10, "m", "distance before the bay at which the corridor decides on a retry", low=0.0, high=2.0
     )

@@ -25,6 +25,7 @@ CODES = {
     GateState.RUNAWAY: ResultCode.RUNAWAY,
     GateState.WRONG_DIRECTION: ResultCode.WRONG_DIRECTION,
     GateState.OBSTACLE: ResultCode.BLOCKED,
+    GateState.CHARGING: ResultCode.CHARGING,
 }
 BY_A_PERSON = (ResultCode.STOPPED_BY_USER, ResultCode.EMERGENCY_STOP)
 MOTOR_FAULTS = {CODES[state]: state for state in (GateState.RUNAWAY, GateState.WRONG_DIRECTION)}
@@ -52,13 +53,13 @@ class Gate:
         self._service = rospy.ServiceProxy("gate_arm", GateArm)
         rospy.Subscriber("gate_state", GateState, lambda m: enqueue("gate", m), queue_size=10, tcp_nodelay=True)
 
-    def arm(self) -> None:
-        """Ask that the requests of this goal pass.
+    def arm(self, *, undock: bool = False) -> None:
+        """Ask that the requests of this goal pass; `undock`: it leaves the dock.
 
         Raises:
             RefusedError: the gate refuses, with its reason, or does not answer.
         """
-        answer = self._ask()
+        answer = self._ask(undock=undock)
         if answer is None:
             raise RefusedError(ResultCode.GATE_LOST, f"the safety gate does not answer ({self._service.resolved_name})")
         if not answer.granted:
@@ -98,14 +99,14 @@ class Gate:
             return None
         return Loss(ResultCode.GATE_LOST, f"the safety gate has been silent for {PATIENCE:.0f} s")
 
-    def _ask(self) -> GateArmResponse | None:
+    def _ask(self, *, undock: bool) -> GateArmResponse | None:
         """The gate's answer; None when there is none in time. In a thread of its own: a call has no time-out."""
         answers: list[GateArmResponse] = []
 
         def call() -> None:
             try:
                 self._service.wait_for_service(PATIENCE)
-                answers.append(self._service())
+                answers.append(self._service(undock))
             except (rospy.ROSException, rospy.ServiceException) as error:
                 rospy.logwarn("%s: %s", self._service.resolved_name, error)
 

@@ -21,7 +21,7 @@ from seater_nmpc.ros.core import flag, load_core
 from seater_nmpc.ros.diagnostics import Diagnostics
 from seater_nmpc.ros.gate import BY_A_PERSON, Gate, Loss
 from seater_nmpc.ros.goal_checks import RefusedError, check_goal
-from seater_nmpc.ros.goals import Goals
+from seater_nmpc.ros.goals import ClientWatch, Goals
 from seater_nmpc.ros.obstacles import Obstacles
 from seater_nmpc.ros.publishers import Publishers
 from seater_nmpc.ros.resume import Call, ResumeService
@@ -52,6 +52,7 @@ class DockingNode:
         self._obstacles = Obstacles(self._tf, self._dock_frame, core.parameters.sequence.obstacle_timeout)
         self._diagnostics = Diagnostics(core.controller, core.observer, self._period)
         self._goals = Goals(self._enqueue)
+        self._client = ClientWatch(core.parameters.sequence.client_timeout)
         self._gate = Gate(self._enqueue, lock_step=lock_step)
         self._zone = SpeedZone(core.vehicle.chair, core.dock, core.parameters.sequence.back_out_speed)
         threading.Thread(target=self._work, daemon=True).start()
@@ -91,6 +92,7 @@ class DockingNode:
             "resume": self._on_resume,
             "gate": lambda message: self._on_gate(self._gate.on_state(message)),
             "gate silent": lambda _: self._on_gate(self._gate.silence()),
+            "client lost": lambda _: self._on_client_lost(),
             "watchdog": lambda _: self._abort(ResultCode.ODOMETRY_LOST, "no odometry arrives"),
         }
         while not rospy.is_shutdown():
@@ -169,6 +171,7 @@ class DockingNode:
         self._goals.publish(step)
         if step.result is not None:
             self._zeros = ZEROS_AFTER_GOAL
+            self._client.end()
             if release:
                 self._gate.release(step.result)
 
@@ -199,11 +202,12 @@ class DockingNode:
             return self._goals.refuse(kind, handle, ResultCode.ODOMETRY_LOST, "no odometry yet")
         try:
             prior = check_goal(kind, goal, self._core.dock.name, self._tf, self._out.odom_frame)
-            self._gate.arm()  # a new goal is a new consent
+            self._gate.arm(undock=kind == "undock")  # a new goal is a new consent
         except RefusedError as refused:
             return self._goals.refuse(kind, handle, refused.code, refused.text)
         self._abort(ResultCode.CANCELED, "replaced by a new goal", release=False)
         self._goals.accept(kind, handle)
+        self._client.begin(handle.goal)
         counters = self._core.controller.counters
         self._fallbacks_before = counters.shifted + counters.braked
         if kind == "dock":
@@ -225,6 +229,12 @@ class DockingNode:
         else:
             self._abort(loss.code, loss.text)
 
+    def _on_client_lost(self) -> None:
+        """By now another goal may be worked on."""
+        why = self._client.lost()
+        if why:
+            self._abort(ResultCode.CLIENT_LOST, why)
+
     def _on_resume(self, call: Call) -> None:
         call.work(self._go_on)
 
@@ -233,7 +243,7 @@ class DockingNode:
         if not self._core.sequence.paused:
             return "no goal is paused"
         try:
-            self._gate.arm()  # a person asks for it: a new consent
+            self._gate.arm(undock=self._goals.kind == "undock")  # a person asks for it: a new consent
         except RefusedError as refused:
             return refused.text
         self._core.sequence.resume(self._out.stamp.to_sec())
@@ -257,6 +267,8 @@ class DockingNode:
                 self._enqueue("watchdog", None)
             if self._core.sequence.active and self._gate.silence() is not None:
                 self._enqueue("gate silent", None)
+            if self._core.sequence.active and self._client.lost():
+                self._enqueue("client lost", None)
 
     def _on_shutdown(self) -> None:
         self._out.close()

@@ -50,6 +50,8 @@ class ResultCode(IntEnum):
     WRONG_DIRECTION = 919
     ODOMETRY_WRONG = 920
     WHEELS_SLIP = 921
+    CLIENT_LOST = 922
+    CHARGING = 923
     UNKNOWN = 999
 
 
