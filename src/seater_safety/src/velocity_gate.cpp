@@ -187,7 +187,7 @@ Velocity VelocityGate::output(double now) {
   const GateParameters& p = parameters_;
   // A late clock gives no time to change the speed in.
   const double step = std::clamp(now - last_time_, 0.0, kLongestStep);
-  const double zone = zone_.limit(now, linear_.speed(), p.a_max * step);
+  const double zone = zone_.limit(now, linear_.speed(), p.a_max * step, consent_.held());
   const Velocity bounded{std::clamp(asked.linear, -std::min(zone, p.v_reverse_max), std::min(zone, p.v_max)),
                          std::clamp(asked.angular, -p.omega_max, p.omega_max)};
   if (bounded.linear != asked.linear || bounded.angular != asked.angular) ++limited_;

@@ -93,7 +93,10 @@ class SequenceParameters:
     )
     odometry_timeout: float = param(0.3, "s", "age of the odometry at which it counts as lost", low=0.02, high=5.0)
     obstacle_timeout: float = param(
-        0.0, "s", "how long a message on `obstacles` holds; 0: until the next", low=0.0, high=3600.0
+        0.0, "s", "a message on `obstacles` that is older stops the chair; 0: none does", low=0.0, high=3600.0
+    )
+    obstacle_wait: float = param(
+        10.0, "s", "how long it stands while it is not known what is in the way", low=0.0, high=600.0
     )
     predock_position: float = param(
         0.08, "m", "distance at which the predock point counts as reached", low=0.005, high=0.5

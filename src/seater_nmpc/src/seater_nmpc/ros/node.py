@@ -154,7 +154,8 @@ class DockingNode:
     def _set_obstacles(self, now: float) -> None:
         estimate = self._core.observer.estimate()
         dock = self._core.observer.prior if estimate is None else estimate.pose
-        self._core.controller.set_obstacles(self._obstacles.now(now, self._out.odom_frame, dock))
+        self._core.controller.set_obstacles(self._obstacles.now(self._out.odom_frame, dock))
+        self._core.sequence.unsure = self._obstacles.trouble(now)
 
     def _tell_zone(self) -> None:
         estimate, newest = self._core.observer.estimate(), self._core.observer.odometry.newest

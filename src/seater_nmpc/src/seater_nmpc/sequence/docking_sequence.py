@@ -74,6 +74,7 @@ class DockingSequence:
         self._prior: tuple[ArrayLike | None, float] = (None, 0.0)
         self.held = False  # the safety gate lets nothing pass, as something is in the way: standing is no failure then
         self.held_by = ""  # that, in words
+        self.unsure = ""  # why it is not known what is in the way, in words; empty: it is
 
     def start_dock(
         self, now: float, timeout: float = 0.0, prior: ArrayLike | None = None, prior_radius: float = 1.0
@@ -169,6 +170,7 @@ class DockingSequence:
         if self._pause is not None:
             return self._stand_paused(now)
         self._phases.held_by = (self.held_by or "the safety gate holds the chair") if self.held else ""
+        self._phases.unsure = self.unsure
         if self.held:
             self._phases.stand_patiently()
         try:

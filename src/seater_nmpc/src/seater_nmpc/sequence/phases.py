@@ -35,6 +35,7 @@ Array = NDArray[np.float64]
 STANDING = Command(v=0.0, omega=0.0)
 _MOVING = (Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.CORRECTING)
 _BACKING_OUT = (Phase.RETRY, Phase.UNDOCKING)
+_DRIVING = (*_MOVING, Phase.UNDOCKING, Phase.SEARCHING)
 _DOCK_ANYWHERE = (Phase.WAITING_FOR_DOCK, Phase.SEARCHING, Phase.UNDOCKING)  # none drives by where the dock was seen
 _UNDOCKED_SPEED = 0.1  # [m/s] below which the chair near the predock point has arrived there
 _IMAGES_THAT_MAY_FAIL = 4  # in a row, the time until the next one arrives reckoned in
@@ -97,6 +98,7 @@ class Phases:
         }
         self.contact: bool | None = None  # the charging contact, None: not known
         self.force = False  # undock from here, whatever is known
+        self.unsure = ""  # why it is not known what is in the way; empty: it is
         self.held_by = ""  # why the safety gate holds the chair; empty: it does not
         self.begin(0.0, Phase.WAITING_FOR_DOCK, 0.0)
 
@@ -111,6 +113,7 @@ class Phases:
         self.no_way = ""  # why there is no way into the bay
         self._rough: Array | None = self._observer.prior  # the dock in odom, where it is looked for
         self._blind_since: float | None = None
+        self._unsure_since: float | None = None
         self._lost = False  # out of sight on the approach, and looked for
         self._went_round = False  # to the front of the bay, as far as the way is clear
         self._controller.set_speed_limit()
@@ -127,6 +130,9 @@ class Phases:
 
     def command(self, chair: Instant) -> Command:
         """What the present phase asks for. Raises GoalEnd."""
+        unsure = self._wait_to_be_sure(chair)
+        if unsure is not None:
+            return unsure
         if self.phase in _MOVING:
             waiting = self._wait_for_sight(chair)
             if waiting is not None:
@@ -134,6 +140,20 @@ class Phases:
         if self.phase in _MOVING or self.backs_out:
             self._limit_speed()
         return self._handlers[self.phase](chair)
+
+    def _wait_to_be_sure(self, chair: Instant) -> Command | None:
+        """Stand while it is not known what is in the way; not for ever."""
+        if not self.unsure or self.phase not in _DRIVING:
+            self._unsure_since = None
+            return None
+        if self._unsure_since is None:
+            self._unsure_since = chair.stamp
+        longest = self._parameters.obstacle_wait
+        if chair.stamp - self._unsure_since > longest:
+            raise GoalEnd(ResultCode.BLOCKED, f"waited for {longest:.0f} s to know what is in the way: {self.unsure}")
+        self._controller.reset()
+        self.stand_patiently()
+        return replace(STANDING, text=f"waits to know what is in the way: {self.unsure}")
 
     def _wait_for_sight(self, chair: Instant) -> Command | None:
         """Stand while the dock has not been seen for too long; not for ever."""
