@@ -38,6 +38,6 @@ def test_backing_out_is_slow_wherever_the_dock_is(sent: Sent) -> None:
     zone = SpeedZone(Chair(), Dock(), 0.1)
     zone.update(rospy.Time(10.0), None, FAR, backs_out=False)
     assert not sent
-    for time, dock, backs_out in ((10.0, None, True), (10.05, DOCK, True), (10.1, DOCK, False)):
+    for time, dock, backs_out in ((10.0, None, True), (10.05, DOCK, True), (10.1, None, False), (11.0, None, False)):
         zone.update(rospy.Time(time), dock, FAR, backs_out=backs_out)
     assert [(m.v_max, m.reason) for m in sent] == [(0.1, "backs out"), (0.6, "outside the bay")]

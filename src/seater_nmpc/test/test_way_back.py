@@ -130,3 +130,13 @@ def test_another_attempt_does_not_begin_while_something_stands_behind(make_world
     result = world.run(10.0, until=stands_behind).result
     assert result.code is ResultCode.BLOCKED and "chair's rear" in result.text
     assert min(command.v for command in world.commands) > -0.05
+
+
+def test_undocking_does_not_wait_for_images(make_world) -> None:
+    """With a camera that has fallen silent, it goes by odometry, as fast as backing out may be."""
+    world = make_world((0.0, 0.0, 0.0), seen=lambda world: world.now > 20.0 and round(world.now * 100) % 300 == 0)
+    for _ in range(1500):
+        world.tick()
+    world.sequence.start_undock(world.now, force=True)
+    assert world.run(30.0).result.success
+    assert min(command.v for command in world.commands) < -0.14

@@ -20,7 +20,7 @@ std::optional<Refusal> VelocityGate::arm(double now, const std::string& holder, 
   if (!fault_.empty()) return Refusal{fault_state_, fault_};
   if (joystick_.deflected(now)) return Refusal{GateState::kUser, "the joystick is deflected"};
   if (!holds(now)) return Refusal{GateState::kUser, "hold-to-run is not held"};
-  if (inhibited() && !undock) return Refusal{GateState::kCharging, kInhibited};
+  if (charges() && !undock) return Refusal{GateState::kCharging, kInhibited};
   const std::string blind = guard_.blind(now);
   if (!blind.empty()) return Refusal{GateState::kObstacle, blind};
   if (consent_.held() && !consent_.heldBy(holder)) {

@@ -156,6 +156,7 @@ TEST_F(PersonTest, WhileChargingNothingMovesUntilAGoalUndocks) {
   gate_.charging(now_, true);
   EXPECT_GT(ask(kForward, 0.5).linear, 0.39) << "a docking closes the contact before it is over";
   ask({}, 0.5);
+  EXPECT_FALSE(arm()) << "another goal, though the last one's consent has not ended yet";
   wait(6.0);
   EXPECT_EQ(gate_.state(), GateState::kCharging);
   EXPECT_TRUE(gate_.motorsEnabled(now_));

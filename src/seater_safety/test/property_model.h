@@ -51,7 +51,8 @@ struct Model {
       locked_at = now;
     }
   }
-  bool inhibited() const { return p.charging_inhibit != 0.0 && charging && holder < 0; }
+  bool charges() const { return p.charging_inhibit != 0.0 && charging; }
+  bool inhibited() const { return charges() && holder < 0; }
   bool userDrives(double now) const { return let_go && deflected && now - user_at <= p.user_timeout; }
   bool requestDrives(double now) const { return holder >= 0 && asks && now - accepted <= p.request_timeout; }
   bool mayMove(double now) const { return !stopped(now) && (userDrives(now) || requestDrives(now)); }

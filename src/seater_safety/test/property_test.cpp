@@ -175,7 +175,7 @@ class Sequence {
     model_.look(now_);
     const bool deflected = model_.deflected && now_ - model_.user_at <= parameters_.user_timeout;
     const bool insists = now_ - model_.insisted <= parameters_.request_timeout;
-    if (granted && (model_.stopped(now_) || !model_.held(now_) || deflected || (model_.inhibited() && !undock) ||
+    if (granted && (model_.stopped(now_) || !model_.held(now_) || deflected || (model_.charges() && !undock) ||
                     (model_.holder < 0 && insists) || (model_.holder >= 0 && model_.holder != holder))) {
       wrong_ = "a consent was given though something speaks against it";
     }

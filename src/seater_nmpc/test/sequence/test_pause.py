@@ -93,8 +93,10 @@ def test_undocking_goes_on_from_the_dock_that_it_left(make_world) -> None:
     world.sequence.start_undock(world.now, force=True)
     world.run(20.0, until=lambda step: world.truth[0] < -0.4)
     pause(world)
+    assert not world.sequence.backs_out, "the joystick is not slowed down"
     world.run(1.0)
     world.sequence.resume(world.now)
+    assert world.sequence.backs_out
     assert world.run(30.0).result.success
     assert abs(world.truth[0] - world.dock.predock_x) < 0.1
 

@@ -106,7 +106,8 @@ class VelocityGate {
   void latchEmergencyStop(double now);
   bool holds(double now) const;
   std::string emergency(double now) const;
-  bool inhibited() const { return parameters_.charging_inhibit != 0.0 && closed_ && !consent_.held(); }
+  bool charges() const { return parameters_.charging_inhibit != 0.0 && closed_; }
+  bool inhibited() const { return charges() && !consent_.held(); }
   bool moving() const { return linear_.speed() != 0.0 || angular_.speed() != 0.0; }
   bool insistent(double now) const;
   Velocity wanted(double now);

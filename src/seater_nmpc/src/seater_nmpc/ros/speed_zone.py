@@ -20,11 +20,13 @@ class SpeedZone:
         """`chair`: as the core drives it. `back_out_speed` [m/s]: largest speed while it backs out."""
         self._chair, self._bay, self._back_out_speed = chair, dock.bay, back_out_speed
         self._publisher = rospy.Publisher("speed_limit", SpeedLimit, queue_size=10, latch=True)
+        self._backed_out = False  # in the last cycle
         self._last: tuple[float, float] | None = None  # time [s] and limit [m/s] of the last message
 
     def update(self, stamp: rospy.Time, dock: ArrayLike | None, base: ArrayLike, *, backs_out: bool) -> None:
         """Once per control cycle; `dock` (None: not known) and `base`: (x, y, heading) in odom [m, rad]."""
-        if dock is None and not backs_out:
+        backed_out, self._backed_out = self._backed_out, backs_out
+        if dock is None and not backs_out and not backed_out:  # the end of backing out is told all the same
             return
         v_max, reason = self._limit(dock, base, backs_out)
         now = stamp.to_sec()

@@ -186,7 +186,7 @@ class DockingSequence:
     @property
     def backs_out(self) -> bool:
         """Whether the chair is backing out, which is done slowly, as no sensor looks there."""
-        return self.active and self._phases.backs_out
+        return self.active and self._pause is None and self._phases.backs_out
 
     def abort(self, now: float, code: ResultCode, text: str) -> Step:
         """End the active goal from outside (no more odometry, an error in the adapter): zero, with this result."""

@@ -124,7 +124,7 @@ class Phases:
         self.now = now
         self.deadlines.put_off(paused)
         self._controller.history.clear()
-        self._blind_since = None
+        self._blind_since = self._unsure_since = None
         self._lost = self._went_round = False
         self._enter(Phase.UNDOCKING if self.phase is Phase.UNDOCKING else Phase.WAITING_FOR_DOCK)
 
@@ -182,10 +182,14 @@ class Phases:
         return abs(self._front.aside(relative(estimate.pose, chair.pose))) > _ASIDE
 
     def _limit_speed(self) -> None:
-        """So that a few images may fail before the chair has driven `max_blind_distance`; and backing out is slow."""
+        """So that a few images may fail before the chair has driven `max_blind_distance`; and backing out is slow.
+
+        Undocking goes by odometry alone.
+        """
         p, period = self._parameters, self._observer.image_period
-        v = p.max_blind_distance / max(_IMAGES_THAT_MAY_FAIL * period, 1e-3)
-        why = f"images come only every {period:.2f} s"
+        v, why = math.inf, f"images come only every {period:.2f} s"
+        if self.phase is not Phase.UNDOCKING:
+            v = p.max_blind_distance / max(_IMAGES_THAT_MAY_FAIL * period, 1e-3)
         if self.backs_out and p.back_out_speed <= v:
             v, why = p.back_out_speed, ""  # as it should be: nothing to warn of
         self._controller.set_speed_limit(v=v, why=why)
