@@ -35,7 +35,7 @@ std::optional<Refusal> VelocityGate::arm(double now, const std::string& holder, 
   unused_.clear();
   request_ = {};
   request_seen_ = false;
-  request_time_ = now;
+  request_time_ = armed_time_ = now;
   return std::nullopt;
 }
 

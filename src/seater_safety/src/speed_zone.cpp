@@ -12,10 +12,10 @@ bool SpeedZone::told(double from, double limit) {
   return true;
 }
 
-double SpeedZone::limit(double now, double speed, double change, bool keep) {
+double SpeedZone::limit(double now, double speed, double change, double kept_since) {
   while (told_.size() > 1 && told_[1].from <= now) told_.pop_front();
   const bool told = !told_.empty() && told_.front().from <= now;
-  const bool known = told && (keep || now - told_.front().from <= kZoneTimeout);
+  const bool known = told && (told_.front().from >= kept_since || now - told_.front().from <= kZoneTimeout);
   if (!known) return std::numeric_limits<double>::infinity();
   return std::max(told_.front().limit, std::abs(speed) - change);
 }

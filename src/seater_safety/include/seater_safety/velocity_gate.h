@@ -120,6 +120,7 @@ class VelocityGate {
   Velocity request_;           // the last one that was accepted
   double request_time_ = 0.0;  // of it, or of the consent
   bool request_seen_ = false;  // since the consent
+  double armed_time_ = 0.0;    // when the last consent was given
   double insisted_ = -1e9;     // when a request other than zero came last, accepted or not
   std::string unused_;         // why the last request was not accepted
   bool held_ = false;          // hold-to-run, as it was said last
