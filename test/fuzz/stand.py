@@ -43,6 +43,7 @@ class Stand:
         self.consent = 0
         self._inputs: dict[str, Callable[[Any], None]] = {}
         self._actions: dict[str, Callable[[Any], None]] = {}
+        self.services: dict[str, Callable[[Any], Any]] = {}
         self._replace_ros(monkeypatch)
         self.node = DockingNode()
         monkeypatch.setattr(rospy, "is_shutdown", lambda: self.node._queue.empty())
@@ -94,13 +95,17 @@ class Stand:
         def service(*_: Any) -> Any:
             return Service(self._arm)
 
+        def offered(name: str, _: Any, handler: Callable[[Any], Any]) -> None:
+            self.services[name] = handler
+
         values, silent = parameters(), lambda *_, **__: None
         rospy.rostime.set_rostime_initialized(True)  # of the wall, where no clock is published
         broadcaster = SimpleNamespace(sendTransform=lambda message: self.publish("/tf", message))
         replaced = {
             rospy: {
-                "Publisher": publisher, "Subscriber": subscriber, "ServiceProxy": service, "on_shutdown": silent,
-                "Timer": silent, "get_param": lambda name, default=None: values.get(name, default),
+                "Publisher": publisher, "Subscriber": subscriber, "ServiceProxy": service, "Service": offered,
+                "on_shutdown": silent, "Timer": silent,
+                "get_param": lambda name, default=None: values.get(name, default),
                 "resolve_name": lambda name: name, "get_name": lambda: "/docking", "loginfo": silent,
                 "logwarn": silent, "logwarn_throttle": silent,
                 "logerr_throttle": lambda _, text, *words: self.errors.append(text % words),
@@ -127,7 +132,7 @@ class Service:
     def wait_for_service(self, timeout: float) -> None:
         pass
 
-    def __call__(self) -> GateArmResponse:
+    def __call__(self, undock: bool) -> GateArmResponse:
         return self._answer()
 
 
@@ -154,6 +159,7 @@ class Handle:
 
     def __init__(self, goal: Any, stand: Stand) -> None:
         self._goal, self._stand = goal, stand
+        self.goal = SimpleNamespace(goal=goal, _connection_header={"callerid": "/client"})
 
     def get_goal(self) -> Any:
         return self._goal

@@ -60,7 +60,7 @@ def test_every_message_and_status_is_listed() -> None:
 
 def test_the_states_of_the_gate_are_those_of_its_message() -> None:
     message = (ROOT / "src/seater_msgs/msg/GateState.msg").read_text()
-    listed = re.findall(r"^\| (\d) \| ([A-Z_]+) \|", (ROOT / "docs/safety.md").read_text(), re.MULTILINE)
+    listed = re.findall(r"^\| (\d+) \| ([A-Z_]+) \|", (ROOT / "docs/safety.md").read_text(), re.MULTILINE)
     assert listed == [(number, name) for name, number in CONSTANT.findall(message)]
 
 

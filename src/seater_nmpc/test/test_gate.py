@@ -18,6 +18,7 @@ CODES = [
     (GateState.RUNAWAY, ResultCode.RUNAWAY),
     (GateState.WRONG_DIRECTION, ResultCode.WRONG_DIRECTION),
     (GateState.OBSTACLE, ResultCode.BLOCKED),
+    (GateState.CHARGING, ResultCode.CHARGING),
     (GateState.STALE, ResultCode.GATE_LOST),
     (GateState.FAULT, ResultCode.GATE_LOST),
 ]
@@ -32,7 +33,8 @@ class Service:
     def wait_for_service(self, timeout: float) -> None:
         pass
 
-    def __call__(self) -> GateArmResponse:
+    def __call__(self, undock: bool) -> GateArmResponse:
+        self.undock = undock
         return self.answer
 
 
@@ -103,3 +105,9 @@ def test_after_the_end_of_the_goal_the_gate_ends_nothing(gate: Gate) -> None:
     gate.arm()
     gate.release(Result(code=ResultCode.SUCCESS, text=""))
     assert gate.on_state(GateState(consent=CONSENT, stopped_by=GateState.RUNAWAY)) is None
+
+
+@pytest.mark.parametrize("undock", [False, True])
+def test_the_gate_is_told_whether_the_goal_leaves_the_dock(gate: Gate, service: Service, undock: bool) -> None:
+    gate.arm(undock=undock)
+    assert service.undock is undock

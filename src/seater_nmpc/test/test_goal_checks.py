@@ -48,9 +48,16 @@ def test_a_named_dock_needs_no_pose(transforms, name) -> None:
     assert check("undock", UndockGoal(), transforms) is None
 
 
+def test_an_empty_goal_is_one_to_the_configured_dock(transforms) -> None:
+    assert check("dock", DockGoal(), transforms) is None
+    assert check("dock", DockGoal(dock_id="home"), transforms) is None
+
+
 @pytest.mark.parametrize(
     ("goal", "code", "text"),
     [
+        (DockGoal(dock_id="other"), ResultCode.DOCK_NOT_IN_DB, "other"),
+        (DockGoal(dock_pose=PoseStamped(header=rospy.Header(frame_id="map"))), ResultCode.DOCK_NOT_VALID, "rotation"),
         (DockGoal(use_dock_id=True, dock_id="other"), ResultCode.DOCK_NOT_IN_DB, "other"),
         (DockGoal(use_dock_id=True, timeout=-1.0), ResultCode.DOCK_NOT_VALID, "timeout"),
         (DockGoal(use_dock_id=True, timeout=math.nan), ResultCode.DOCK_NOT_VALID, "timeout"),

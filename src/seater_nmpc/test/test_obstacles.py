@@ -19,13 +19,20 @@ BOX = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 DOCK = np.array([3.0, -1.0, 0.7])
 
 
-def test_only_the_unusable_are_dropped_and_named() -> None:
-    line = [[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]
+def test_only_what_says_no_place_is_dropped_and_named() -> None:
     bad = [[0.0, 0.0], [1.0, math.nan], [2.0, 0.0]]
-    outlines, complaints = usable_outlines([line, BOX[::-1], bad, np.zeros((0, 2)), BOX[:2]])
+    outlines, complaints = usable_outlines([BOX[::-1], bad, np.zeros((0, 2)), [[1e30, 1e30], [2e30, 2e30]]])
     assert len(outlines) == 1 and outlines[0] == pytest.approx(BOX)  # anticlockwise again
-    assert [complaint.split(":")[0] for complaint in complaints] == [f"polygon {i}" for i in (0, 2, 3, 4)]
-    assert "finite" in complaints[1] and "line" in complaints[0]
+    assert [complaint.split(":")[0] for complaint in complaints] == ["polygon 1", "polygon 2", "polygon 3"]
+
+
+@pytest.mark.parametrize("corners", [[[0.5, 0.5]], [[0.0, 0.0], [1.0, 1.0]], [[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]])
+def test_a_point_or_a_line_is_a_thin_thing(corners: list[list[float]]) -> None:
+    (outline,), complaints = usable_outlines([corners])
+    assert complaints == []
+    ends = np.array([corners[0], corners[-1]])
+    assert outline.min(axis=0) == pytest.approx(ends.min(axis=0) - 0.025)
+    assert outline.max(axis=0) == pytest.approx(ends.max(axis=0) + 0.025)
 
 
 def test_in_odom_they_stand_still_while_the_estimate_moves() -> None:
@@ -54,27 +61,28 @@ def test_a_message_replaces_the_one_before() -> None:
     assert memory.in_dock(None) == []
 
 
-def test_stale_ones_are_dropped_once() -> None:
+def test_stale_ones_are_named_and_hold() -> None:
     memory = ObstacleMemory(0.5)
+    assert not memory.stale(100.0)  # nobody has told any
     memory.replace([BOX], bound_to_dock=True)
-    assert [memory.forget_stale(now) for now in (10.0, 10.4)] == [False, False]
+    assert [memory.stale(now) for now in (10.0, 10.4)] == [False, False]
     memory.replace([BOX], bound_to_dock=True)  # news: the age begins anew
-    assert [memory.forget_stale(now) for now in (10.8, 11.2)] == [False, False]
+    assert [memory.stale(now) for now in (10.8, 11.2, 11.4, 11.5)] == [False, False, True, True]
     assert len(memory.in_dock(None)) == 1
-    assert [memory.forget_stale(now) for now in (11.4, 11.5)] == [True, False]
-    assert memory.in_dock(None) == []
+    memory.replace([], bound_to_dock=True)  # who tells that nothing is there may fall silent, too
+    assert [memory.stale(now) for now in (12.0, 12.6)] == [False, True]
 
 
-def test_time_that_goes_backward_drops_nothing() -> None:
+def test_time_that_goes_backward_makes_nothing_stale() -> None:
     memory = ObstacleMemory(0.5)
     memory.replace([BOX], bound_to_dock=True)
-    assert [memory.forget_stale(now) for now in (10.0, 2.0, 2.4)] == [False, False, False]
+    assert [memory.stale(now) for now in (10.0, 2.0, 2.4)] == [False, False, False]
 
 
 def test_without_a_time_out_they_hold() -> None:
     memory = ObstacleMemory(0.0)
     memory.replace([BOX], bound_to_dock=True)
-    assert [memory.forget_stale(now) for now in (0.0, 1e6)] == [False, False]
+    assert [memory.stale(now) for now in (0.0, 1e6)] == [False, False]
     assert len(memory.in_dock(None)) == 1
 
 
@@ -103,7 +111,7 @@ def test_obstacles_of_a_sensor_are_placed_by_tf_at_their_own_stamp(silent) -> No
     transforms.put("odom", "laser", now, 2.0)
     obstacles = Obstacles(transforms, "dock", 0.0)
     obstacles.take(obstacle_message("laser"), "odom")
-    (seen,) = obstacles.now(2.0, "odom", DOCK)
+    (seen,) = obstacles.now("odom", DOCK)
     assert ordered(seen) == pytest.approx(
         ordered(transform_points(inverse(DOCK), transform_points(then, BOX))), abs=1e-6
     )
@@ -112,10 +120,10 @@ def test_obstacles_of_a_sensor_are_placed_by_tf_at_their_own_stamp(silent) -> No
 def test_obstacles_in_odom_and_at_the_dock_need_no_transform(silent) -> None:
     obstacles = Obstacles(Transforms(), "dock", 0.0)
     obstacles.take(obstacle_message("odom"), "odom")
-    (seen,) = obstacles.now(1.0, "odom", DOCK)
+    (seen,) = obstacles.now("odom", DOCK)
     assert ordered(seen) == pytest.approx(ordered(transform_points(inverse(DOCK), BOX)), abs=1e-6)
     obstacles.take(obstacle_message("dock"), "odom")
-    (seen,) = obstacles.now(1.0, "odom", None)
+    (seen,) = obstacles.now("odom", None)
     assert seen == pytest.approx(BOX)
 
 
@@ -124,8 +132,31 @@ def test_without_its_transform_a_message_waits_and_the_last_one_holds(silent) ->
     obstacles = Obstacles(transforms, "dock", 0.0)
     obstacles.take(obstacle_message("dock"), "odom")
     obstacles.take(obstacle_message("laser", BOX + 5.0), "odom")
-    (seen,) = obstacles.now(1.0, "odom", DOCK)
+    (seen,) = obstacles.now("odom", DOCK)
     assert seen == pytest.approx(BOX)
     transforms.put("odom", "laser", np.zeros(3), 1.0)
-    (seen,) = obstacles.now(1.05, "odom", np.zeros(3))
+    (seen,) = obstacles.now("odom", np.zeros(3))
     assert seen == pytest.approx(BOX + 5.0, abs=1e-6)
+
+
+def test_a_frame_that_cannot_be_resolved_is_trouble_until_it_can(silent) -> None:
+    transforms = Transforms()
+    obstacles = Obstacles(transforms, "dock", 0.0)
+    said = []
+    for stamp in (1.0, 1.4, 1.6):  # as a sensor tells all the time
+        obstacles.take(obstacle_message("laser", stamp=1.0), "odom")
+        obstacles.now("odom", DOCK)
+        said.append(obstacles.trouble(stamp))
+    assert said[:2] == ["", ""] and "a frame that cannot be resolved: 'laser'" in said[2]
+    transforms.put("odom", "laser", np.zeros(3), 1.0)
+    obstacles.now("odom", DOCK)
+    assert obstacles.trouble(1.7) == ""
+
+
+def test_what_is_none_and_silence_are_trouble(silent) -> None:
+    obstacles = Obstacles(Transforms(), "dock", 0.5)
+    assert obstacles.trouble(0.0) == ""
+    obstacles.take(obstacle_message("odom", [[0.0, math.nan]]), "odom")
+    assert "none: polygon 0" in obstacles.trouble(1.0)
+    obstacles.take(obstacle_message("odom"), "odom")
+    assert [obstacles.trouble(stamp) for stamp in (1.0, 1.4, 1.6)] == ["", "", "nothing new on `obstacles` for 0.5 s"]

@@ -54,7 +54,8 @@ void bindGate(py::module_& m) {
       .value("FAULT", ss::GateState::kFault)
       .value("RUNAWAY", ss::GateState::kRunaway)
       .value("WRONG_DIRECTION", ss::GateState::kWrongDirection)
-      .value("OBSTACLE", ss::GateState::kObstacle);
+      .value("OBSTACLE", ss::GateState::kObstacle)
+      .value("CHARGING", ss::GateState::kCharging);
   py::class_<ss::VelocityGate>(m, "VelocityGate",
                                "The last gate before the motors. Speeds (v [m/s], omega [rad/s]), times [s].")
       .def(py::init([](const py::kwargs& values) {

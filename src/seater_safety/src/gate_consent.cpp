@@ -12,7 +12,7 @@ bool VelocityGate::holds(double now) const {
   return parameters_.hold_to_run == 0.0 || (held_ && now - held_time_ <= parameters_.user_timeout);
 }
 
-std::optional<Refusal> VelocityGate::arm(double now, const std::string& holder) {
+std::optional<Refusal> VelocityGate::arm(double now, const std::string& holder, bool undock) {
   notice(now);
   joystick_.update(now);
   const std::string emergency_stop = emergency(now);
@@ -20,6 +20,7 @@ std::optional<Refusal> VelocityGate::arm(double now, const std::string& holder) 
   if (!fault_.empty()) return Refusal{fault_state_, fault_};
   if (joystick_.deflected(now)) return Refusal{GateState::kUser, "the joystick is deflected"};
   if (!holds(now)) return Refusal{GateState::kUser, "hold-to-run is not held"};
+  if (charges() && !undock) return Refusal{GateState::kCharging, kInhibited};
   const std::string blind = guard_.blind(now);
   if (!blind.empty()) return Refusal{GateState::kObstacle, blind};
   if (consent_.held() && !consent_.heldBy(holder)) {
@@ -34,7 +35,7 @@ std::optional<Refusal> VelocityGate::arm(double now, const std::string& holder) 
   unused_.clear();
   request_ = {};
   request_seen_ = false;
-  request_time_ = now;
+  request_time_ = armed_time_ = now;
   return std::nullopt;
 }
 
@@ -50,6 +51,14 @@ std::optional<Refusal> VelocityGate::reset(double now) {
   if (moving()) return Refusal{GateState::kEmergencyStop, "the chair still moves"};
   reset_due_ = false;
   return std::nullopt;
+}
+
+void VelocityGate::charging(double now, bool closed) {
+  notice(now);
+  expire(now);
+  const bool before = inhibited();
+  closed_ = closed;
+  if (before || inhibited()) joystick_.lock(now);
 }
 
 // Ends the consent; what was asked for before counts no more.

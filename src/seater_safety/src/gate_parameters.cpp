@@ -53,6 +53,8 @@ const std::vector<GateParameter>& gateParameters() {
        "1: an emergency stop lasts until it is reset by the service gate_reset; 0: until it is released"},
       {"safety", "hold_to_run", &P::hold_to_run, "", 0.0, 1.0,
        "1: requests pass only while hold_to_run is told true, silence of user_timeout counts as let go; 0: without"},
+      {"safety", "charging_inhibit", &P::charging_inhibit, "", 0.0, 1.0,
+       "1: while the charging contact is closed nothing moves until a goal undocks, the joystick neither; 0: without"},
       {"safety", "motion_delay", &P::motion_delay, "s", 0.2, 2.0, "a command acts after this at the latest"},
       {"safety", "motion_gain", &P::motion_gain, "", 1.0, 2.0, "speed over command up to which nothing is wrong"},
       {"safety", "motion_speed", &P::motion_speed, "m/s", 0.02, 0.3, "and beyond that the speed that is a fault"},
@@ -82,6 +84,7 @@ std::string GateParameters::check() const {
   const auto flag = [](double value) { return value == 0.0 || value == 1.0; };
   if (!flag(emergency_stop_reset)) return wrong("emergency_stop_reset", emergency_stop_reset, "0 or 1");
   if (!flag(hold_to_run)) return wrong("hold_to_run", hold_to_run, "0 or 1");
+  if (!flag(charging_inhibit)) return wrong("charging_inhibit", charging_inhibit, "0 or 1");
   if (!flag(obstacle_joystick)) return wrong("obstacle_joystick", obstacle_joystick, "0 or 1");
   if (request_max_age < request_timeout) return wrong("request_max_age", request_max_age, "at least request_timeout");
   return {};

@@ -1,6 +1,7 @@
 // What the gate says about itself.
 #include "seater_safety/gate_state.h"
 #include "seater_safety/velocity_gate.h"
+#include "words.h"
 
 namespace seater_safety {
 
@@ -26,6 +27,8 @@ std::string toString(GateState state) {
       return "wrong direction, motors without power";
     case GateState::kObstacle:
       return "obstacle";
+    case GateState::kCharging:
+      return "charging";
   }
   return "unknown";
 }
@@ -34,6 +37,7 @@ std::string VelocityGate::reason(double now) const {
   const std::string emergency_stop = emergency(now);
   if (!emergency_stop.empty()) return emergency_stop;
   if (!fault_.empty()) return fault_;
+  if (inhibited()) return kInhibited;
   if (!guard_.reason().empty()) return guard_.reason();
   if (joystick_.drives(now)) return "the joystick drives";
   if (joystick_.deflected(now)) return "the joystick has to be let go before it drives";

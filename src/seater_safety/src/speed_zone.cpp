@@ -12,9 +12,10 @@ bool SpeedZone::told(double from, double limit) {
   return true;
 }
 
-double SpeedZone::limit(double now, double speed, double change) {
+double SpeedZone::limit(double now, double speed, double change, double kept_since) {
   while (told_.size() > 1 && told_[1].from <= now) told_.pop_front();
-  const bool known = !told_.empty() && told_.front().from <= now && now - told_.front().from <= kZoneTimeout;
+  const bool told = !told_.empty() && told_.front().from <= now;
+  const bool known = told && (told_.front().from >= kept_since || now - told_.front().from <= kZoneTimeout);
   if (!known) return std::numeric_limits<double>::infinity();
   return std::max(told_.front().limit, std::abs(speed) - change);
 }

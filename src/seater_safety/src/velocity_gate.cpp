@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "words.h"
@@ -11,6 +12,8 @@ namespace {
 
 // Longest time for which the speed may change in one call: a pause must not become a jump of speed.
 constexpr double kLongestStep = 0.1;  // [s]
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
 bool finite(const Velocity& velocity) {
   return std::isfinite(velocity.linear) && std::isfinite(velocity.angular);
@@ -152,6 +155,11 @@ Velocity VelocityGate::wanted(double now) {
     joystick_.lock(now);
     return {};
   }
+  if (inhibited()) {
+    state_ = GateState::kCharging;
+    joystick_.lock(now);
+    return {};
+  }
   if (joystick_.drives(now)) {
     state_ = GateState::kUser;
     power_cut_ = false;
@@ -182,7 +190,7 @@ Velocity VelocityGate::output(double now) {
   const GateParameters& p = parameters_;
   // A late clock gives no time to change the speed in.
   const double step = std::clamp(now - last_time_, 0.0, kLongestStep);
-  const double zone = zone_.limit(now, linear_.speed(), p.a_max * step);
+  const double zone = zone_.limit(now, linear_.speed(), p.a_max * step, consent_.held() ? armed_time_ : kNever);
   const Velocity bounded{std::clamp(asked.linear, -std::min(zone, p.v_reverse_max), std::min(zone, p.v_max)),
                          std::clamp(asked.angular, -p.omega_max, p.omega_max)};
   if (bounded.linear != asked.linear || bounded.angular != asked.angular) ++limited_;

@@ -8,6 +8,8 @@
 
 namespace seater_safety {
 
+constexpr const char* kInhibited = "the charging contact is closed: undock first";
+
 inline bool zero(const Velocity& velocity) {
   return velocity.linear == 0.0 && velocity.angular == 0.0;
 }

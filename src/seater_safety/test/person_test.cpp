@@ -148,6 +148,57 @@ TEST_F(PersonTest, AnEmergencyStopMayHaveToBeReset) {
   EXPECT_TRUE(arm());
 }
 
+TEST_F(PersonTest, WhileChargingNothingMovesUntilAGoalUndocks) {
+  GateParameters p;
+  p.charging_inhibit = 1.0;
+  gate_ = VelocityGate(p);
+  drive();
+  gate_.charging(now_, true);
+  EXPECT_GT(ask(kForward, 0.5).linear, 0.39) << "a docking closes the contact before it is over";
+  ask({}, 0.5);
+  EXPECT_FALSE(arm()) << "another goal, though the last one's consent has not ended yet";
+  wait(6.0);
+  EXPECT_EQ(gate_.state(), GateState::kCharging);
+  EXPECT_TRUE(gate_.motorsEnabled(now_));
+  const auto refusal = gate_.arm(now_, kDocking);
+  ASSERT_TRUE(refusal.has_value());
+  EXPECT_EQ(refusal->state, GateState::kCharging);
+  EXPECT_EQ(refusal->reason, "the charging contact is closed: undock first");
+  gate_.user(now_, {0.3, 0.0});
+  EXPECT_EQ(wait(0.4).linear, 0.0);
+  EXPECT_EQ(gate_.status(now_).reason, refusal->reason);
+  gate_.charging(now_, false);
+  gate_.user(now_, {0.3, 0.0});
+  EXPECT_EQ(wait(0.4).linear, 0.0) << "a joystick that is held when the contact opens";
+  gate_.charging(now_, true);
+  wait(1.0);
+  ASSERT_FALSE(gate_.arm(now_, kDocking, true).has_value());
+  EXPECT_LT(ask({-0.2, 0.0}).linear, -0.19);
+  gate_.charging(now_, false);
+  EXPECT_LT(ask({-0.2, 0.0}).linear, -0.19);
+}
+
+TEST_F(PersonTest, TheJoystickEndsAnUndockingButDoesNotDriveWhileCharging) {
+  GateParameters p;
+  p.charging_inhibit = 1.0;
+  gate_ = VelocityGate(p);
+  wait(1.0);
+  gate_.charging(now_, true);
+  ASSERT_FALSE(gate_.arm(now_, kDocking, true).has_value());
+  ask({-0.2, 0.0});
+  gate_.user(now_, {0.3, 0.0});
+  EXPECT_EQ(wait(0.4).linear, 0.0);
+  EXPECT_EQ(gate_.status(now_).stopped_by, GateState::kUser);
+}
+
+TEST_F(PersonTest, WithoutTheInhibitTheContactChangesNothing) {
+  gate_.charging(now_, true);
+  drive();
+  ask({}, 0.5);
+  gate_.user(now_, {0.3, 0.0});
+  EXPECT_GT(wait(0.4).linear, 0.1);
+}
+
 TEST_F(PersonTest, FromOneSourceToAnotherTheSpeedDoesNotJump) {
   drive();
   Velocity previous = gate_.output(now_);

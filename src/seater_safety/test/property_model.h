@@ -23,6 +23,7 @@ struct Model {
   double zone = 0.0, zone_from = -1e9;  // largest speed here, and since when
   bool hold = false;                    // hold-to-run, as it was said last
   double hold_at = -1e9;
+  bool charging = false;   // as it was said last
   bool powerless = false;  // cut, and nobody drives since
   bool let_go = false;     // since the last stop
   double locked_at = 0.0;
@@ -45,7 +46,13 @@ struct Model {
     if (!held(now)) holder = -1;
     const double patience = zero && !awry ? p.consent_idle_timeout : p.consent_timeout;
     if (holder >= 0 && now - accepted > patience) holder = -1;
+    if (inhibited()) {
+      let_go = false;
+      locked_at = now;
+    }
   }
+  bool charges() const { return p.charging_inhibit != 0.0 && charging; }
+  bool inhibited() const { return charges() && holder < 0; }
   bool userDrives(double now) const { return let_go && deflected && now - user_at <= p.user_timeout; }
   bool requestDrives(double now) const { return holder >= 0 && asks && now - accepted <= p.request_timeout; }
   bool mayMove(double now) const { return !stopped(now) && (userDrives(now) || requestDrives(now)); }

@@ -53,6 +53,7 @@ class Sequence {
     parameters_.emergency_stop_reset = std::round(parameters_.emergency_stop_reset);
     parameters_.obstacle_joystick = std::round(parameters_.obstacle_joystick);
     parameters_.hold_to_run = chance(0.2) ? 1.0 : 0.0;
+    parameters_.charging_inhibit = chance(0.3) ? 1.0 : 0.0;
     if (!parameters_.check().empty()) parameters_ = GateParameters{};
     return parameters_;
   }
@@ -83,8 +84,10 @@ class Sequence {
       zone(chance(0.9) ? uniform(0.0, 1.0) : -1.0);
     } else if (kind < 0.83) {
       holdToRun(chance(0.8));
+    } else if (kind < 0.84) {
+      charge(chance(0.5));
     } else if (kind < 0.95) {
-      arm(chance(0.9) ? 0 : 1);
+      arm(chance(0.9) ? 0 : 1, chance(0.2));
     } else if (kind < 0.98) {
       reset();
     } else if (chance(0.2)) {
@@ -160,13 +163,20 @@ class Sequence {
     model_.zone_from = now_;
   }
 
-  void arm(int holder) {
-    const bool granted = !gate_.arm(now_, kHolders[holder]).has_value();
+  void charge(bool closed) {
+    gate_.charging(now_, closed);
+    model_.look(now_);
+    model_.charging = closed;
+    model_.look(now_);
+  }
+
+  void arm(int holder, bool undock) {
+    const bool granted = !gate_.arm(now_, kHolders[holder], undock).has_value();
     model_.look(now_);
     const bool deflected = model_.deflected && now_ - model_.user_at <= parameters_.user_timeout;
     const bool insists = now_ - model_.insisted <= parameters_.request_timeout;
-    if (granted && (model_.stopped(now_) || !model_.held(now_) || deflected || (model_.holder < 0 && insists) ||
-                    (model_.holder >= 0 && model_.holder != holder))) {
+    if (granted && (model_.stopped(now_) || !model_.held(now_) || deflected || (model_.charges() && !undock) ||
+                    (model_.holder < 0 && insists) || (model_.holder >= 0 && model_.holder != holder))) {
       wrong_ = "a consent was given though something speaks against it";
     }
     if (!granted) return;

@@ -22,6 +22,33 @@ TEST(SpeedZone, CountsFromItsTimeUntilItIsForgotten) {
   EXPECT_EQ(zone.limit(1.01 + kZoneTimeout, 0.0, 0.01), kInf);
 }
 
+TEST(SpeedZone, WhatWasToldSinceTheConsentIsNotForgotten) {
+  SpeedZone zone;
+  EXPECT_EQ(zone.limit(0.0, 0.0, 0.01, 0.0), kInf);
+  zone.told(1.0, 0.15);
+  EXPECT_EQ(zone.limit(0.9, 0.0, 0.01, 0.5), kInf);
+  EXPECT_EQ(zone.limit(100.0, 0.0, 0.01, 1.0), 0.15);
+  EXPECT_EQ(zone.limit(100.0, 0.0, 0.01, 1.1), kInf);
+}
+
+// The joystick is not slow for ever because nobody says any more where the chair is; whoever docks is.
+TEST(SpeedZone, ASilentOneHoldsForRequestsAndNotForTheJoystick) {
+  VelocityGate gate{GateParameters{}};
+  double now = 0.0, output = 0.0;
+  gate.arm(now, "/docking");
+  gate.speedLimit(now, 0.15);
+  for (; now < 5.0; now += 0.05) {
+    gate.request(now, "/docking", {0.4, 0.0});
+    output = gate.output(now).linear;
+  }
+  EXPECT_DOUBLE_EQ(output, 0.15);
+  for (; now < 8.0; now += 0.05) {
+    gate.user(now, {0.4, 0.0});
+    output = gate.output(now).linear;
+  }
+  EXPECT_DOUBLE_EQ(output, 0.4);
+}
+
 // A lock-step simulation tells it ahead, and tells the next before the last is in force.
 TEST(SpeedZone, OneToldAheadDoesNotReplaceTheOneInForce) {
   SpeedZone zone;

@@ -45,7 +45,7 @@ class TrackSettings:
     moving: float = param(0.35, "m/s", "a faster cluster moves", low=0.05, high=2.0)
     prediction: float = param(1.0, "s", "a moving thing may be anywhere on its way of this time", low=0.0, high=3.0)
     memory: float = param(
-        20.0, "s", "a thing that stands is remembered so long where it cannot be seen", low=0.0, high=600.0
+        60.0, "s", "a thing that stands is remembered so long where it cannot be seen", low=0.0, high=600.0
     )
     lost: float = param(3.0, "s", "the same for the way of a thing that moves", low=0.0, high=60.0)
 

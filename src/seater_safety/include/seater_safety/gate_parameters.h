@@ -31,6 +31,7 @@ struct GateParameters {
   double emergency_stop_timeout = 0.0;
   double emergency_stop_reset = 0.0;
   double hold_to_run = 0.0;
+  double charging_inhibit = 0.0;
   double motion_delay = 0.6;
   double motion_gain = 1.3;
   double motion_speed = 0.06;

@@ -18,6 +18,7 @@ enum class GateState : std::uint8_t {
   kRunaway = 7,         // faster than told
   kWrongDirection = 8,  // the other way than told
   kObstacle = 9,        // something is in the way, or a sensor of obstacles is silent: zero, with power
+  kCharging = 10,       // the charging contact is closed: nothing moves until a goal undocks
 };
 
 std::string toString(GateState state);

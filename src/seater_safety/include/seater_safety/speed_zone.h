@@ -1,7 +1,8 @@
 // The largest speed where the chair is, as it is told by who knows the place. No ROS.
 //
 // On the way into a slow zone the limit falls within the comfortable acceleration. What was told counts for
-// kZoneTimeout: who knows the place repeats it.
+// kZoneTimeout: who knows the place repeats it. What was told since a consent was given counts as long as it is held: a
+// driver that has fallen silent about the place knows it no better.
 #pragma once
 
 #include <deque>
@@ -15,8 +16,9 @@ class SpeedZone {
  public:
   // `limit` [m/s] from the time `from` [s] on. One that is not finite or negative is not taken: false.
   bool told(double from, double limit);
-  // At `now`, `change` [m/s] at most below the limit before where that was above the speed `speed` [m/s].
-  double limit(double now, double speed, double change);
+  // At `now`, `change` [m/s] at most below the limit before where that was above the speed `speed` [m/s]. What was
+  // told from `kept_since` [s] on is not forgotten.
+  double limit(double now, double speed, double change, double kept_since = std::numeric_limits<double>::infinity());
   void forget() { told_.clear(); }
 
  private:

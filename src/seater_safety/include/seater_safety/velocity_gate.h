@@ -44,8 +44,9 @@ class VelocityGate {
   // far in the future is ignored.
   static double requestTime(double now, double stamp);
 
-  // `holder` asks that its requests pass: a person has given it a goal. Empty: they do from now on.
-  std::optional<Refusal> arm(double now, const std::string& holder);
+  // `holder` asks that its requests pass: a person has given it a goal. Empty: they do from now on. `undock`: the goal
+  // leaves the dock, the only one that may while the chair charges.
+  std::optional<Refusal> arm(double now, const std::string& holder, bool undock = false);
 
   // A velocity request; `age` [s]: from its stamp until now, by the clock of the stamp; infinite: it has no stamp. It
   // is used when its sender holds the consent and its age is within -kLateness .. request_max_age. One that is not
@@ -59,6 +60,9 @@ class VelocityGate {
   // While pressed, the output is zero; with emergency_stop_timeout also while nothing was said for so long, and with
   // emergency_stop_reset until a reset.
   void emergencyStop(double now, bool pressed);
+  // The charging contact. With charging_inhibit nothing moves while it is closed and no consent is held: one that was
+  // given before ends as it would, since a docking closes the contact before it is over.
+  void charging(double now, bool closed);
   // After an emergency stop, standing with the joystick let go. Empty: done, or there was nothing to do.
   std::optional<Refusal> reset(double now);
   // The largest speed [m/s] where the chair is, both ways and whoever drives, from the time `from` [s] on; see
@@ -102,6 +106,8 @@ class VelocityGate {
   void latchEmergencyStop(double now);
   bool holds(double now) const;
   std::string emergency(double now) const;
+  bool charges() const { return parameters_.charging_inhibit != 0.0 && closed_; }
+  bool inhibited() const { return charges() && !consent_.held(); }
   bool moving() const { return linear_.speed() != 0.0 || angular_.speed() != 0.0; }
   bool insistent(double now) const;
   Velocity wanted(double now);
@@ -114,6 +120,7 @@ class VelocityGate {
   Velocity request_;           // the last one that was accepted
   double request_time_ = 0.0;  // of it, or of the consent
   bool request_seen_ = false;  // since the consent
+  double armed_time_ = 0.0;    // when the last consent was given
   double insisted_ = -1e9;     // when a request other than zero came last, accepted or not
   std::string unused_;         // why the last request was not accepted
   bool held_ = false;          // hold-to-run, as it was said last
@@ -122,6 +129,7 @@ class VelocityGate {
   bool pressed_seen_ = false;
   double pressed_time_ = 0.0;  // of the last message, or of the start
   bool reset_due_ = false;
+  bool closed_ = false;  // the charging contact, as it was said last
   std::string fault_;
   GateState fault_state_ = GateState::kFault;
   bool power_cut_ = false;

@@ -31,6 +31,10 @@ SafetyGateNode::SafetyGateNode(const GateParameters& parameters, const std::vect
   emergency_stop_ = handle_.subscribe("emergency_stop", 10, &SafetyGateNode::onEmergencyStop, this, prompt);
   speed_limit_ = handle_.subscribe("speed_limit", 10, &SafetyGateNode::onSpeedLimit, this, prompt);
   hold_ = handle_.subscribe("hold_to_run", 10, &SafetyGateNode::onHold, this, prompt);
+  if (parameters.charging_inhibit != 0.0) {
+    contact_ = handle_.subscribe("charging_contact", 10, &SafetyGateNode::onContact, this, prompt);
+    neighbours_.watch(contact_);
+  }
   for (const ros::Subscriber& input : {request_, user_, emergency_stop_, speed_limit_, hold_}) neighbours_.watch(input);
   obstacles_ = handle_.subscribe("obstacle_points", 10, &SafetyGateNode::onObstacles, this, prompt);
   arm_ = handle_.advertiseService("gate_arm", &SafetyGateNode::onArm, this);
@@ -87,6 +91,10 @@ void SafetyGateNode::onHold(const std_msgs::Bool& message) {
   gate_.holdToRun(clocks_.now(), message.data != 0);
 }
 
+void SafetyGateNode::onContact(const std_msgs::Bool& message) {
+  gate_.charging(clocks_.now(), message.data != 0);
+}
+
 // In lock-step it counts from a time that is still to come, so that it does not matter whether it is read before or
 // after the request that was sent next.
 void SafetyGateNode::onSpeedLimit(const seater_msgs::SpeedLimit& message) {
@@ -128,7 +136,7 @@ void SafetyGateNode::cutPower() {
 bool SafetyGateNode::onArm(ArmEvent& event) {
   seater_msgs::GateArm::Response& response = event.getResponse();
   noticeFaults();
-  const auto refusal = gate_.arm(clocks_.now(), event.getCallerName());
+  const auto refusal = gate_.arm(clocks_.now(), event.getCallerName(), event.getRequest().undock != 0);
   response.granted = static_cast<std::uint8_t>(!refusal.has_value());
   if (refusal) {
     response.state = static_cast<std::uint8_t>(refusal->state);
@@ -155,9 +163,10 @@ void SafetyGateNode::onLockStepTimer(const ros::TimerEvent&) {
   const double now = clocks_.now();
   const bool requested = gate_.state() == GateState::kRequest || gate_.state() == GateState::kObstacle;
   if (requested && now - last_output_ < 0.1) return;
-  if (gate_.state() == GateState::kStopped && silent_) return;
+  const auto stands = [this] { return gate_.state() == GateState::kStopped || gate_.state() == GateState::kCharging; };
+  if (stands() && silent_) return;
   send(now);
-  silent_ = gate_.state() == GateState::kStopped;
+  silent_ = stands();
 }
 
 void SafetyGateNode::onSupervision(const ros::SteadyTimerEvent&) {
@@ -198,7 +207,8 @@ std::string SafetyGateNode::surroundings() {
 void SafetyGateNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   const GateState state = gate_.state();
-  const bool fault = state != GateState::kStopped && state != GateState::kRequest && state != GateState::kUser;
+  const bool fault = state != GateState::kStopped && state != GateState::kRequest && state != GateState::kUser &&
+                     state != GateState::kCharging;
   status.summary(fault ? DiagnosticStatus::WARN : DiagnosticStatus::OK, toString(state));
   status.add("reason", gate_.status(clocks_.now()).reason);
   const bool watched = motion_.watches(clocks_.now());

@@ -1,6 +1,6 @@
 // ROS shell of the velocity gate. Topics and service (relative):
 //   in   velocity_request (geometry_msgs/TwistStamped), user_cmd_vel (geometry_msgs/Twist),
-//        emergency_stop and hold_to_run (std_msgs/Bool), speed_limit (seater_msgs/SpeedLimit),
+//        emergency_stop, hold_to_run and charging_contact (std_msgs/Bool), speed_limit (seater_msgs/SpeedLimit),
 //        obstacle_points (seater_msgs/ObstaclePoints),
 //        not in lock-step: odom (nav_msgs/Odometry), motor_fault (seater_msgs/MotorFault);
 //        gate_arm (seater_msgs/GateArm): consent for one goal, of the calling node;
@@ -48,6 +48,7 @@ class SafetyGateNode {
   void onUser(const geometry_msgs::Twist& message);
   void onEmergencyStop(const std_msgs::Bool& message);
   void onHold(const std_msgs::Bool& message);
+  void onContact(const std_msgs::Bool& message);
   void onSpeedLimit(const seater_msgs::SpeedLimit& message);
   void onObstacles(const seater_msgs::ObstaclePoints& message);
   void onOdometry(const nav_msgs::Odometry& message);
@@ -73,7 +74,7 @@ class SafetyGateNode {
   Outputs out_;
   Neighbours neighbours_;
   std::unique_ptr<MasterLink> master_;  // in lock-step none: how fast it answers depends on the machine
-  ros::Subscriber request_, user_, emergency_stop_, speed_limit_, hold_, odometry_, motor_fault_, obstacles_;
+  ros::Subscriber request_, user_, emergency_stop_, speed_limit_, hold_, contact_, odometry_, motor_fault_, obstacles_;
   ros::ServiceServer arm_, reset_;
   ros::Timer lock_step_timer_;
   ros::SteadyTimer timer_, supervision_;

@@ -40,6 +40,22 @@ class SequenceParameters:
     retry_distance: float = param(
         1.0, "m", "how far it backs out then, if it stands nearly right (at most to predock_x)", low=0.1, high=5.0
     )
+    back_out_speed: float = param(
+        0.15, "m/s", "backing out of the bay or off from a place, where as a rule no sensor looks", low=0.02, high=1.0
+    )
+    back_out_wait: float = param(
+        20.0, "s", "how long it waits there for something in the way, getting nowhere", low=0.0, high=600.0
+    )
+    pause_time: float = param(
+        0.0,
+        "s",
+        "how long a goal that a person has stopped waits for `docking_resume`; 0: it ends at once",
+        low=0.0,
+        high=3600.0,
+    )
+    client_timeout: float = param(
+        0.0, "s", "how long the node that gave the goal may be gone until it ends; 0: for ever", low=0.0, high=60.0
+    )
     gate_distance: float = param(
         0.10, "m", "distance before the bay at which the corridor decides on a retry", low=0.0, high=2.0
     )
@@ -77,7 +93,10 @@ class SequenceParameters:
     )
     odometry_timeout: float = param(0.3, "s", "age of the odometry at which it counts as lost", low=0.02, high=5.0)
     obstacle_timeout: float = param(
-        0.0, "s", "how long a message on `obstacles` holds; 0: until the next", low=0.0, high=3600.0
+        0.0, "s", "a message on `obstacles` that is older stops the chair; 0: none does", low=0.0, high=3600.0
+    )
+    obstacle_wait: float = param(
+        10.0, "s", "how long it stands while it is not known what is in the way", low=0.0, high=600.0
     )
     predock_position: float = param(
         0.08, "m", "distance at which the predock point counts as reached", low=0.005, high=0.5

@@ -13,42 +13,60 @@ from seater_common.separation import convex_outline
 Array = NDArray[np.float64]
 
 
+_THIN = 0.025 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])  # [m] round a point or line
+
+
 def usable_outlines(polygons: Iterable[ArrayLike]) -> tuple[list[Array], list[str]]:
-    """The convex hulls (n, 2) of the polygons that have one, and a complaint (index: reason) about each other one."""
+    """The convex hulls (n, 2) of the polygons, and a complaint (index: reason) about each one that says no place.
+
+    A point or a line stands for a thin thing.
+    """
     outlines, complaints = [], []
     for index, polygon in enumerate(polygons):
+        corners = np.asarray(polygon, dtype=float).reshape(-1, 2)
         try:
-            outlines.append(convex_outline(polygon))
+            outlines.append(_outline(corners))
         except ValueError as error:
             complaints.append(f"polygon {index}: {error}")
     return outlines, complaints
+
+
+def _outline(corners: Array) -> Array:
+    """Raises ValueError: no corners, not finite, or so far away that a thin thing has no area."""
+    if not len(corners) or not np.all(np.isfinite(corners)):
+        raise ValueError("has no corners, or one that is not finite")
+    try:
+        return convex_outline(corners)
+    except ValueError:
+        return convex_outline((corners[:, None] + _THIN).reshape(-1, 2))
 
 
 class ObstacleMemory:
     """The obstacles that count now. When the dock's estimate moves, those in odom stay and those of the dock follow."""
 
     def __init__(self, timeout: float) -> None:
-        """`timeout` [s]: how long they hold without news; 0: for ever."""
+        """`timeout` [s]: how long they may be without news; 0: for ever."""
         self._timeout = timeout
         self._outlines: list[Array] = []
         self._bound_to_dock = False
         self._since: float | None = None
+        self._told = False
 
     def replace(self, outlines: list[Array], *, bound_to_dock: bool) -> None:
         """Forget those before; outlines (n, 2) [m] in the dock's frame (`bound_to_dock`) or in odom."""
         self._outlines, self._bound_to_dock, self._since = list(outlines), bound_to_dock, None
+        self._told = True
 
-    def forget_stale(self, now: float) -> bool:
-        """Drop what is older than the time-out at message time `now` [s]; true when something was dropped.
+    def stale(self, now: float) -> bool:
+        """Whether what was told is older than the time-out at message time `now` [s]; it holds all the same.
 
         The age counts from the first call after `replace`, and anew when time goes backward.
         """
+        if not self._told:
+            return False
         if self._since is None or now < self._since:
             self._since = now
-        if self._timeout <= 0.0 or now - self._since <= self._timeout or not self._outlines:
-            return False
-        self._outlines = []
-        return True
+        return 0.0 < self._timeout < now - self._since
 
     def in_dock(self, T_odom_dock: ArrayLike | None) -> list[Array]:
         """Outlines (n, 2) in the dock's frame; none of those in odom while the dock is not known (None)."""

@@ -25,7 +25,9 @@ CODES = {
     GateState.RUNAWAY: ResultCode.RUNAWAY,
     GateState.WRONG_DIRECTION: ResultCode.WRONG_DIRECTION,
     GateState.OBSTACLE: ResultCode.BLOCKED,
+    GateState.CHARGING: ResultCode.CHARGING,
 }
+BY_A_PERSON = (ResultCode.STOPPED_BY_USER, ResultCode.EMERGENCY_STOP)
 MOTOR_FAULTS = {CODES[state]: state for state in (GateState.RUNAWAY, GateState.WRONG_DIRECTION)}
 
 
@@ -45,18 +47,19 @@ class Gate:
         simulator waits for the slowest."""
         self._lock_step = lock_step
         self._consent, self._confirmed, self._heard = 0, False, 0.0
+        self.held_by = ""  # why the gate stopped the chair last for something in the way
         self._held: deque[tuple[float, bool]] = deque([(0.0, False)], maxlen=100)  # stamp [s], see `holds`
         self._motor_fault = rospy.Publisher("motor_fault", MotorFault, queue_size=10, tcp_nodelay=True)
         self._service = rospy.ServiceProxy("gate_arm", GateArm)
         rospy.Subscriber("gate_state", GateState, lambda m: enqueue("gate", m), queue_size=10, tcp_nodelay=True)
 
-    def arm(self) -> None:
-        """Ask that the requests of this goal pass.
+    def arm(self, *, undock: bool = False) -> None:
+        """Ask that the requests of this goal pass; `undock`: it leaves the dock.
 
         Raises:
             RefusedError: the gate refuses, with its reason, or does not answer.
         """
-        answer = self._ask()
+        answer = self._ask(undock=undock)
         if answer is None:
             raise RefusedError(ResultCode.GATE_LOST, f"the safety gate does not answer ({self._service.resolved_name})")
         if not answer.granted:
@@ -64,14 +67,17 @@ class Gate:
         self._consent, self._confirmed, self._heard = answer.consent, False, time.monotonic()
 
     def release(self, result: Result | None = None) -> None:
-        """The goal has ended. Motors that do not obey are told to stop in vain: the gate takes their power."""
+        """The goal has ended or is paused. Motors that do not obey are told to stop in vain: the gate takes their
+        power."""
         self._consent = 0
         if result is not None and result.code in MOTOR_FAULTS:
             self._motor_fault.publish(MotorFault(state=MOTOR_FAULTS[result.code], reason=result.text))
 
     def on_state(self, message: GateState) -> Loss | None:
         """Whether the consent of this goal has ended with what the gate says."""
-        self._held.append((message.header.stamp.to_sec(), message.state == GateState.OBSTACLE))
+        held = message.state == GateState.OBSTACLE
+        self._held.append((message.header.stamp.to_sec(), held))
+        self.held_by = message.reason if held else self.held_by
         if not self._consent:
             return None
         if message.consent == self._consent:
@@ -93,14 +99,14 @@ class Gate:
             return None
         return Loss(ResultCode.GATE_LOST, f"the safety gate has been silent for {PATIENCE:.0f} s")
 
-    def _ask(self) -> GateArmResponse | None:
+    def _ask(self, *, undock: bool) -> GateArmResponse | None:
         """The gate's answer; None when there is none in time. In a thread of its own: a call has no time-out."""
         answers: list[GateArmResponse] = []
 
         def call() -> None:
             try:
                 self._service.wait_for_service(PATIENCE)
-                answers.append(self._service())
+                answers.append(self._service(undock))
             except (rospy.ROSException, rospy.ServiceException) as error:
                 rospy.logwarn("%s: %s", self._service.resolved_name, error)
 

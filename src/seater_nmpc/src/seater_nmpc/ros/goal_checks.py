@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import tf2_ros
+from geometry_msgs.msg import PoseStamped
 from numpy.typing import NDArray
 
 from seater_common.geometry import planar_pose
@@ -25,7 +26,9 @@ class RefusedError(Exception):
 def check_goal(
     kind: str, goal: Any, dock_name: str, transforms: tf2_ros.Buffer, odom_frame: str
 ) -> NDArray[np.float64] | None:
-    """The rough dock pose (x, y, heading) in odom that a `dock` goal gives; None if it names the dock, or for `undock`.
+    """The rough dock pose (x, y, heading) in odom that a `dock` goal gives; None if it gives none, or for `undock`.
+
+    An empty goal is one to the configured dock.
 
     Raises:
         RefusedError: bad time-out, unknown dock, a pose that is not finite or has no transform at its stamp.
@@ -34,7 +37,7 @@ def check_goal(
         raise RefusedError(ResultCode.DOCK_NOT_VALID, f"timeout is {goal.timeout}")
     if kind != "dock":
         return None
-    if goal.use_dock_id:
+    if goal.use_dock_id or goal.dock_pose == PoseStamped():
         if goal.dock_id not in ("", dock_name):
             raise RefusedError(ResultCode.DOCK_NOT_IN_DB, f"no dock {goal.dock_id!r}")
         return None

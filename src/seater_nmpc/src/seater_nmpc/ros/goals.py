@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import math
+import threading
+import time
 from collections.abc import Callable
+from http.client import HTTPException
 from typing import Any
+from xmlrpc.client import Fault, ProtocolError, ServerProxy, Transport
 
 import actionlib
+import rosgraph
 import rospy
 from actionlib_msgs.msg import GoalStatus
 
 from seater_msgs.msg import DockAction, UndockAction
 from seater_nmpc.ros import conversions
 from seater_nmpc.sequence.results import Result, ResultCode, Step
+
+PING_PERIOD = 0.5  # [s] of wall time
+PING_PATIENCE = 1.0  # [s] for the answer of a node that stands still
+SHORTEST = 2.0  # [s] of silence that means something
 
 
 class Goals:
@@ -78,6 +87,78 @@ class Goals:
             self._handle.set_aborted(message, text)
         rospy.loginfo("%s: %s", self.kind, text)
         self._handle, self.kind = None, ""
+
+
+class ClientWatch:
+    """Whether the node that gave the goal lives, in a thread of its own: it is asked as `rosnode ping` does.
+
+    A client that gives goals for others (rosbridge, say) lives on when they are gone.
+    """
+
+    def __init__(self, timeout: float, lives: Callable[[str], bool] | None = None) -> None:
+        """`timeout` [s] of wall time: how long it may be silent; 0: nobody is watched. `lives`: asks the node of this
+        name; None: over the network.
+
+        Raises:
+            ValueError: a time-out that is shorter than an answer may take.
+        """
+        if 0.0 < timeout < SHORTEST:
+            raise ValueError(f"sequence/client_timeout: is {timeout}, must be 0 or at least {SHORTEST} [s]")
+        self._timeout, self._lives = timeout, lives or node_lives
+        self._client, self._answered = "", 0.0
+        if timeout > 0.0:
+            threading.Thread(target=self._work, daemon=True).start()
+
+    def begin(self, goal: Any) -> None:
+        """A goal begins: the action's message with it, which names its sender."""
+        self._answered = time.monotonic()
+        self._client = getattr(goal, "_connection_header", {}).get("callerid", "") if self._timeout > 0.0 else ""
+
+    def end(self) -> None:
+        """The goal has ended."""
+        self._client = ""
+
+    def lost(self) -> str:
+        """Why the goal has no owner any more, in words; empty: it has, or nobody is watched."""
+        client, silence = self._client, time.monotonic() - self._answered
+        if not client or silence <= self._timeout:
+            return ""
+        return f"{client}, which gave the goal, has not answered for {silence:.1f} s"
+
+    def _work(self) -> None:
+        while not rospy.is_shutdown():
+            client = self._client
+            if client and self._lives(client) and client == self._client:
+                self._answered = time.monotonic()
+            time.sleep(PING_PERIOD)
+
+
+class _Prompt(Transport):
+    """Gives up in time."""
+
+    def make_connection(self, host: Any) -> Any:
+        connection = super().make_connection(host)
+        connection.timeout = PING_PATIENCE
+        return connection
+
+
+def node_lives(name: str) -> bool:
+    """Whether the node of this name answers, as far as the ROS master knows it."""
+    try:
+        return answers(rosgraph.Master(rospy.get_name()).lookupNode(name))
+    except (rosgraph.MasterException, OSError):
+        return False
+
+
+def answers(uri: str) -> bool:
+    """Whether a node's XML-RPC server answers."""
+    try:
+        ServerProxy(uri, transport=_Prompt()).getPid(rospy.get_name())
+    except Fault:  # an answer, too
+        return True
+    except (OSError, HTTPException, ProtocolError):
+        return False
+    return True
 
 
 def valid_timeout(timeout: float) -> bool:

@@ -19,16 +19,17 @@ from seater_nmpc.control.command import Command
 from seater_nmpc.ros import conversions
 from seater_nmpc.ros.core import flag, load_core
 from seater_nmpc.ros.diagnostics import Diagnostics
-from seater_nmpc.ros.gate import Gate, Loss
+from seater_nmpc.ros.gate import BY_A_PERSON, Gate, Loss
 from seater_nmpc.ros.goal_checks import RefusedError, check_goal
-from seater_nmpc.ros.goals import Goals
+from seater_nmpc.ros.goals import ClientWatch, Goals
 from seater_nmpc.ros.obstacles import Obstacles
 from seater_nmpc.ros.publishers import Publishers
+from seater_nmpc.ros.resume import Call, ResumeService
 from seater_nmpc.ros.speed_zone import SpeedZone
 from seater_nmpc.ros.transforms import TransformBuffer
-from seater_nmpc.sequence.results import ResultCode, Step
+from seater_nmpc.sequence.results import Phase, ResultCode, Step
 
-ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal
+ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal, or the beginning of a pause
 TIME_JUMP = 1.0  # [s] odometry this much older than the last one means that time started anew
 
 
@@ -51,13 +52,15 @@ class DockingNode:
         self._obstacles = Obstacles(self._tf, self._dock_frame, core.parameters.sequence.obstacle_timeout)
         self._diagnostics = Diagnostics(core.controller, core.observer, self._period)
         self._goals = Goals(self._enqueue)
+        self._client = ClientWatch(core.parameters.sequence.client_timeout)
         self._gate = Gate(self._enqueue, lock_step=lock_step)
-        self._zone = SpeedZone(core.vehicle.chair, core.dock)
+        self._zone = SpeedZone(core.vehicle.chair, core.dock, core.parameters.sequence.back_out_speed)
         threading.Thread(target=self._work, daemon=True).start()
         threading.Thread(target=self._watch, daemon=True).start()
         rospy.on_shutdown(self._on_shutdown)
         self._subscribe()
         if core.shadow is None:
+            self._resume = ResumeService(self._enqueue)
             self._goals.start()
         solver = core.parameters.control.solver
         rospy.loginfo("docking node ready (%s%s)", solver, "" if core.shadow is None else ", shadow")
@@ -86,8 +89,10 @@ class DockingNode:
             "contact": lambda closed: setattr(self, "_contact", bool(closed)),
             "goal": lambda goal: self._on_goal(*goal),
             "cancel": self._on_cancel,
+            "resume": self._on_resume,
             "gate": lambda message: self._on_gate(self._gate.on_state(message)),
             "gate silent": lambda _: self._on_gate(self._gate.silence()),
+            "client lost": lambda _: self._on_client_lost(),
             "watchdog": lambda _: self._abort(ResultCode.ODOMETRY_LOST, "no odometry arrives"),
         }
         while not rospy.is_shutdown():
@@ -138,7 +143,7 @@ class DockingNode:
             command = self._core.shadow.update(now)
             self._report(self._core.vehicle.command(command or Command(v=0.0, omega=0.0)), "SHADOW")
         elif self._core.sequence.active:
-            self._core.sequence.held = self._gate.holds(now)
+            self._core.sequence.held, self._core.sequence.held_by = self._gate.holds(now), self._gate.held_by
             self._send(self._core.sequence.update(now, self._contact))
         else:
             if self._zeros > 0:
@@ -149,22 +154,28 @@ class DockingNode:
     def _set_obstacles(self, now: float) -> None:
         estimate = self._core.observer.estimate()
         dock = self._core.observer.prior if estimate is None else estimate.pose
-        self._core.controller.set_obstacles(self._obstacles.now(now, self._out.odom_frame, dock))
+        self._core.controller.set_obstacles(self._obstacles.now(self._out.odom_frame, dock))
+        self._core.sequence.unsure = self._obstacles.trouble(now)
 
     def _tell_zone(self) -> None:
         estimate, newest = self._core.observer.estimate(), self._core.observer.odometry.newest
-        if self._core.shadow is None and estimate is not None and newest is not None:
-            self._zone.update(self._out.stamp, estimate.pose, newest.pose)
+        if self._core.shadow is None and newest is not None:
+            dock = None if estimate is None else estimate.pose
+            self._zone.update(self._out.stamp, dock, newest.pose, backs_out=self._core.sequence.backs_out)
 
-    def _send(self, step: Step) -> None:
+    def _send(self, step: Step, *, release: bool = True) -> None:
         command = self._core.vehicle.command(step.command)
-        self._out.request(command.v, command.omega)
+        if step.phase is not Phase.PAUSED or self._zeros > 0:  # there is no consent then, and nothing to ask for
+            self._out.request(command.v, command.omega)
+            self._zeros = max(0, self._zeros - 1)
         self._report(command, step.phase.name)
         self._goals.publish(step)
         if step.result is not None:
             self._zeros = ZEROS_AFTER_GOAL
             self._diagnostics.installation = self._core.sequence.installation
-            self._gate.release(step.result)
+            self._client.end()
+            if release:
+                self._gate.release(step.result)
 
     def _report(self, command: Command, phase: str) -> None:
         estimate, counters = self._core.observer.estimate(), self._core.controller.counters
@@ -193,11 +204,12 @@ class DockingNode:
             return self._goals.refuse(kind, handle, ResultCode.ODOMETRY_LOST, "no odometry yet")
         try:
             prior = check_goal(kind, goal, self._core.dock.name, self._tf, self._out.odom_frame)
-            self._gate.arm()  # a new goal is a new consent
+            self._gate.arm(undock=kind == "undock")  # a new goal is a new consent
         except RefusedError as refused:
             return self._goals.refuse(kind, handle, refused.code, refused.text)
-        self._abort(ResultCode.CANCELED, "replaced by a new goal")
+        self._abort(ResultCode.CANCELED, "replaced by a new goal", release=False)
         self._goals.accept(kind, handle)
+        self._client.begin(handle.goal)
         counters = self._core.controller.counters
         self._fallbacks_before = counters.shifted + counters.braked
         if kind == "dock":
@@ -210,12 +222,39 @@ class DockingNode:
             self._abort(ResultCode.CANCELED, "cancelled")
 
     def _on_gate(self, loss: Loss | None) -> None:
-        if loss is not None:
+        if loss is None:
+            return
+        if loss.code in BY_A_PERSON and self._core.sequence.can_pause:
+            self._gate.release()
+            self._zeros = ZEROS_AFTER_GOAL
+            self._send(self._core.sequence.pause(self._out.stamp.to_sec(), loss.code, loss.text))
+        else:
             self._abort(loss.code, loss.text)
 
-    def _abort(self, code: ResultCode, text: str) -> None:
+    def _on_client_lost(self) -> None:
+        """By now another goal may be worked on."""
+        why = self._client.lost()
+        if why:
+            self._abort(ResultCode.CLIENT_LOST, why)
+
+    def _on_resume(self, call: Call) -> None:
+        call.work(self._go_on)
+
+    def _go_on(self) -> str:
+        """Empty, or why the paused goal does not go on."""
+        if not self._core.sequence.paused:
+            return "no goal is paused"
+        try:
+            self._gate.arm(undock=self._goals.kind == "undock")  # a person asks for it: a new consent
+        except RefusedError as refused:
+            return refused.text
+        self._core.sequence.resume(self._out.stamp.to_sec())
+        return ""
+
+    def _abort(self, code: ResultCode, text: str, *, release: bool = True) -> None:
+        """`release`: the consent, too; else it is the next goal's already."""
         if self._core.sequence.active:
-            self._send(self._core.sequence.abort(self._out.stamp.to_sec(), code, text))
+            self._send(self._core.sequence.abort(self._out.stamp.to_sec(), code, text), release=release)
 
     def _watch(self) -> None:
         """Zero when the odometry stops or the gate is silent during a goal, even when the worker is busy.
@@ -230,6 +269,8 @@ class DockingNode:
                 self._enqueue("watchdog", None)
             if self._core.sequence.active and self._gate.silence() is not None:
                 self._enqueue("gate silent", None)
+            if self._core.sequence.active and self._client.lost():
+                self._enqueue("client lost", None)
 
     def _on_shutdown(self) -> None:
         self._out.close()

@@ -1,9 +1,26 @@
-"""How long a goal and each of its phases may take, in message time [s]."""
+"""How long a goal, each of its phases and a pause may take, in message time [s]."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from seater_nmpc.parameters import Timeouts
 from seater_nmpc.sequence.results import Phase, ResultCode
+
+
+@dataclass(frozen=True)
+class Pause:
+    """A person has stopped the chair at the time `since`, and may have it go on within `longest`; else the goal ends
+    with `code` and `text`."""
+
+    since: float
+    longest: float
+    code: ResultCode
+    text: str
+
+    def left(self, now: float) -> float:
+        """Time that is left to go on; negative: none."""
+        return self.longest - (now - self.since)
 
 
 class Deadlines:
@@ -25,6 +42,10 @@ class Deadlines:
     def enter(self, now: float) -> None:
         """A phase begins."""
         self._entered = now
+
+    def put_off(self, duration: float) -> None:
+        """A pause of so long does not count."""
+        self._start += duration
 
     @property
     def entered(self) -> float:

@@ -31,6 +31,7 @@ from seater_nmpc.observe.odometry import Instant, Odometry
 from seater_nmpc.parameters import PlausibilityParameters, SequenceParameters
 from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.plausibility.watch import Watch
+from seater_nmpc.sequence.deadlines import Pause
 from seater_nmpc.sequence.phases import STANDING, GoalEnd, Phases
 from seater_nmpc.sequence.results import Phase, Result, ResultCode, Step
 
@@ -69,7 +70,11 @@ class DockingSequence:
             require_contact=require_contact,
         )
         self.active = self._cancelled = False
+        self._pause: Pause | None = None
+        self._prior: tuple[ArrayLike | None, float] = (None, 0.0)
         self.held = False  # the safety gate lets nothing pass, as something is in the way: standing is no failure then
+        self.held_by = ""  # that, in words
+        self.unsure = ""  # why it is not known what is in the way, in words; empty: it is
 
     def start_dock(
         self, now: float, timeout: float = 0.0, prior: ArrayLike | None = None, prior_radius: float = 1.0
@@ -80,9 +85,9 @@ class DockingSequence:
             ValueError: when a goal is active, or a number is not finite or negative.
         """
         self._check_start(now, timeout)
-        estimate = self.observer.estimate()
-        if prior is not None or estimate is None or self._phases.blind(estimate):
-            self.observer.reset(prior, prior_radius)
+        self._prior = (prior, prior_radius)
+        if prior is not None or self._unseen:
+            self.observer.reset(*self._prior)
         self._begin(now, Phase.WAITING_FOR_DOCK, timeout or self._parameters.timeouts.dock)
 
     def start_undock(self, now: float, timeout: float = 0.0, *, force: bool = False) -> None:
@@ -98,6 +103,45 @@ class DockingSequence:
     def cancel(self) -> None:
         """End the active goal with CANCELED in the next update."""
         self._cancelled = True
+
+    @property
+    def can_pause(self) -> bool:
+        """Whether a stop by a person pauses the goal, instead of ending it."""
+        return self.active and self._pause is None and self._parameters.pause_time > 0.0
+
+    @property
+    def paused(self) -> bool:
+        """Whether the goal waits for `resume`."""
+        return self._pause is not None
+
+    def pause(self, now: float, code: ResultCode, text: str) -> Step:
+        """A person has stopped the chair: stand until `resume`, whoever drives meanwhile. After `pause_time` the goal
+        ends with this code and text.
+
+        Raises:
+            ValueError: when there is nothing that can be paused.
+        """
+        if not self.can_pause:
+            raise ValueError("no goal is active, or it cannot be paused")
+        self._pause = Pause(now, self._parameters.pause_time, code, text)
+        self._controller.reset()
+        self._controller.history.clear()  # whoever drives from here on does not say
+        self.observer.bound_reacquisition(False)
+        return self._stand_paused(now)
+
+    def resume(self, now: float) -> None:
+        """Go on with the goal from wherever the chair stands now, at message time `now` [s].
+
+        Raises:
+            ValueError: when no goal is paused.
+        """
+        if self._pause is None:
+            raise ValueError("no goal is paused")
+        paused, self._pause = max(0.0, now - self._pause.since), None
+        if self._docking and self._unseen:
+            self.observer.reset(*self._prior)
+        self._phases.resume(now, paused)
+        self._watch.begin(now)
 
     def add_odometry(self, odometry: Odometry) -> bool:
         """Take an odometry message; false when it was refused and counted."""
@@ -123,6 +167,10 @@ class DockingSequence:
         if not self.active:
             raise ValueError("no goal is active")
         self._phases.contact = contact
+        if self._pause is not None:
+            return self._stand_paused(now)
+        self._phases.held_by = (self.held_by or "the safety gate holds the chair") if self.held else ""
+        self._phases.unsure = self.unsure
         if self.held:
             self._phases.stand_patiently()
         try:
@@ -135,9 +183,31 @@ class DockingSequence:
             return self._finish(now, end.code, end.text)
         return self._step(now, command)
 
+    @property
+    def backs_out(self) -> bool:
+        """Whether the chair is backing out, which is done slowly, as no sensor looks there."""
+        return self.active and self._pause is None and self._phases.backs_out
+
     def abort(self, now: float, code: ResultCode, text: str) -> Step:
         """End the active goal from outside (no more odometry, an error in the adapter): zero, with this result."""
         return self._finish(now, code, text)
+
+    @property
+    def _unseen(self) -> bool:
+        estimate = self.observer.estimate()
+        return estimate is None or self._phases.blind(estimate)
+
+    def _stand_paused(self, now: float) -> Step:
+        assert self._pause is not None  # every caller has looked
+        pause, left = self._pause, self._pause.left(now)
+        try:
+            self._check_inputs(now)
+        except GoalEnd as end:
+            return self._finish(now, end.code, end.text)
+        if left < 0.0:
+            return self._finish(now, pause.code, f"{pause.text}, and not resumed within {pause.longest:.0f} s")
+        standing = replace(STANDING, text=f"paused, {left:.0f} s are left to resume: {pause.text}")
+        return replace(self._report(now, standing), phase=Phase.PAUSED)
 
     def _check_start(self, now: float, timeout: float) -> None:
         if self.active:
@@ -146,12 +216,12 @@ class DockingSequence:
             raise ValueError(f"timeout: is {timeout!r}, must be finite and >= 0")
 
     def _begin(self, now: float, phase: Phase, timeout: float) -> None:
-        self.active, self._cancelled = True, False
+        self.active, self._cancelled, self._pause = True, False, None
         self._phases.begin(now, phase, timeout)
         self._watch.begin(now)
 
-    def _check(self, now: float) -> Instant | None:
-        """What ends every phase; the chair at `now`, None while the odometry is late but not lost yet."""
+    def _check_inputs(self, now: float) -> None:
+        """What ends every goal, paused or not. Raises GoalEnd."""
         if self._cancelled:
             raise GoalEnd(ResultCode.CANCELED, "cancelled")
         newest = self.observer.odometry.newest
@@ -160,6 +230,10 @@ class DockingSequence:
         self._phases.now = now
         if now - newest.stamp > self._parameters.odometry_timeout:
             raise GoalEnd(ResultCode.ODOMETRY_LOST, f"newest odometry is {now - newest.stamp:.2f} s old")
+
+    def _check(self, now: float) -> Instant | None:
+        """What ends every phase; the chair at `now`, None while the odometry is late but not lost yet."""
+        self._check_inputs(now)
         late = self._phases.deadlines.missed(now, self._phases.phase)
         if late is not None:
             code, text = late
@@ -181,6 +255,9 @@ class DockingSequence:
         sent = STANDING if self.held else command
         self._controller.history.sent(now, sent.v, sent.omega)  # some are the sequence's own
         self._watch.asked(now, sent.v, sent.omega)
+        return self._report(now, command, result)
+
+    def _report(self, now: float, command: Command, result: Result | None = None) -> Step:
         phases, estimate = self._phases, self.observer.estimate()
         error, distance = phases.error, -1.0
         if error is not None and phases.phase is Phase.UNDOCKING:
@@ -224,7 +301,7 @@ class DockingSequence:
     def _finish(self, now: float, code: ResultCode, text: str) -> Step:
         phases = self._phases
         now = now if math.isfinite(now) else phases.now
-        self.active = False
+        self.active, self._pause = False, None
         self.observer.bound_reacquisition(False)
         self._controller.reset()
         x, y, heading = (float(value) for value in (np.zeros(3) if phases.error is None else phases.error))

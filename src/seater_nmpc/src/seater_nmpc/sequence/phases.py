@@ -20,6 +20,7 @@ from seater_nmpc.parameters import SequenceParameters
 from seater_nmpc.plan.corridor import Corridor, straight_in
 from seater_nmpc.plan.front import Front
 from seater_nmpc.plan.navigator import Navigator
+from seater_nmpc.plan.way_back import WayBack
 from seater_nmpc.sequence.correction import Verdict as Correction
 from seater_nmpc.sequence.correction import judge, standing_dock
 from seater_nmpc.sequence.deadlines import Deadlines
@@ -33,6 +34,8 @@ Array = NDArray[np.float64]
 
 STANDING = Command(v=0.0, omega=0.0)
 _MOVING = (Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.CORRECTING)
+_BACKING_OUT = (Phase.RETRY, Phase.UNDOCKING)
+_DRIVING = (*_MOVING, Phase.UNDOCKING, Phase.SEARCHING)
 _DOCK_ANYWHERE = (Phase.WAITING_FOR_DOCK, Phase.SEARCHING, Phase.UNDOCKING)  # none drives by where the dock was seen
 _UNDOCKED_SPEED = 0.1  # [m/s] below which the chair near the predock point has arrived there
 _IMAGES_THAT_MAY_FAIL = 4  # in a row, the time until the next one arrives reckoned in
@@ -81,6 +84,7 @@ class Phases:
         self._motion, self._navigator, self._parameters = motion, navigator, parameters
         self._require_contact = require_contact
         self._corridor, self._front = Corridor(chair, dock, parameters), Front(chair, dock)
+        self._way_back = WayBack(chair, dock, controller.parameters.stop_margin)
         self._handlers: dict[Phase, Callable[[Instant], Command]] = {
             Phase.WAITING_FOR_DOCK: self._wait,
             Phase.SEARCHING: self._find,
@@ -94,6 +98,8 @@ class Phases:
         }
         self.contact: bool | None = None  # the charging contact, None: not known
         self.force = False  # undock from here, whatever is known
+        self.unsure = ""  # why it is not known what is in the way; empty: it is
+        self.held_by = ""  # why the safety gate holds the chair; empty: it does not
         self.begin(0.0, Phase.WAITING_FOR_DOCK, 0.0)
 
     def begin(self, now: float, phase: Phase, timeout: float) -> None:
@@ -107,19 +113,47 @@ class Phases:
         self.no_way = ""  # why there is no way into the bay
         self._rough: Array | None = self._observer.prior  # the dock in odom, where it is looked for
         self._blind_since: float | None = None
+        self._unsure_since: float | None = None
         self._lost = False  # out of sight on the approach, and looked for
         self._went_round = False  # to the front of the bay, as far as the way is clear
         self._controller.set_speed_limit()
         self._enter(phase)
 
+    def resume(self, now: float, paused: float) -> None:
+        """Go on with the goal after a pause of `paused` [s], from wherever the chair is now [message time]."""
+        self.now = now
+        self.deadlines.put_off(paused)
+        self._controller.history.clear()
+        self._blind_since = self._unsure_since = None
+        self._lost = self._went_round = False
+        self._enter(Phase.UNDOCKING if self.phase is Phase.UNDOCKING else Phase.WAITING_FOR_DOCK)
+
     def command(self, chair: Instant) -> Command:
         """What the present phase asks for. Raises GoalEnd."""
+        unsure = self._wait_to_be_sure(chair)
+        if unsure is not None:
+            return unsure
         if self.phase in _MOVING:
             waiting = self._wait_for_sight(chair)
             if waiting is not None:
                 return waiting
+        if self.phase in _MOVING or self.backs_out:
             self._limit_speed()
         return self._handlers[self.phase](chair)
+
+    def _wait_to_be_sure(self, chair: Instant) -> Command | None:
+        """Stand while it is not known what is in the way; not for ever."""
+        if not self.unsure or self.phase not in _DRIVING:
+            self._unsure_since = None
+            return None
+        if self._unsure_since is None:
+            self._unsure_since = chair.stamp
+        longest = self._parameters.obstacle_wait
+        if chair.stamp - self._unsure_since > longest:
+            raise GoalEnd(ResultCode.BLOCKED, f"waited for {longest:.0f} s to know what is in the way: {self.unsure}")
+        self._controller.reset()
+        self.stand_patiently()
+        return replace(STANDING, text=f"waits to know what is in the way: {self.unsure}")
 
     def _wait_for_sight(self, chair: Instant) -> Command | None:
         """Stand while the dock has not been seen for too long; not for ever."""
@@ -148,10 +182,22 @@ class Phases:
         return abs(self._front.aside(relative(estimate.pose, chair.pose))) > _ASIDE
 
     def _limit_speed(self) -> None:
-        """So that a few images may fail before the chair has driven `max_blind_distance`."""
-        period = self._observer.image_period
-        v = self._parameters.max_blind_distance / max(_IMAGES_THAT_MAY_FAIL * period, 1e-3)
-        self._controller.set_speed_limit(v=v, why=f"images come only every {period:.2f} s")
+        """So that a few images may fail before the chair has driven `max_blind_distance`; and backing out is slow.
+
+        Undocking goes by odometry alone.
+        """
+        p, period = self._parameters, self._observer.image_period
+        v, why = math.inf, f"images come only every {period:.2f} s"
+        if self.phase is not Phase.UNDOCKING:
+            v = p.max_blind_distance / max(_IMAGES_THAT_MAY_FAIL * period, 1e-3)
+        if self.backs_out and p.back_out_speed <= v:
+            v, why = p.back_out_speed, ""  # as it should be: nothing to warn of
+        self._controller.set_speed_limit(v=v, why=why)
+
+    @property
+    def backs_out(self) -> bool:
+        """Whether the chair is backing out, for another attempt or away from where it got stuck."""
+        return self.phase in _BACKING_OUT or self._back_off is not None
 
     def blind(self, estimate: DockEstimate) -> bool:
         """Whether the dock was seen too long ago, in time or way driven, to move towards it."""
@@ -167,6 +213,7 @@ class Phases:
             self._moves = 0
             self._fine_move: FineMove | None = None
         self._search: Search | None = None
+        self._way_back.restart()
         self._observer.acquire_moving(phase is Phase.SEARCHING)
         self._observer.bound_reacquisition(phase not in _DOCK_ANYWHERE)
         if phase in (Phase.WAITING_FOR_DOCK, Phase.VERIFY, Phase.UNDOCKING):
@@ -398,7 +445,7 @@ class Phases:
         if self._is_at(x, error, chair):
             self._enter(Phase.FINAL if self._way_in(error) else Phase.APPROACH)
             return self._handlers[self.phase](chair)
-        return self._drive(chair, np.array([x, 0.0, 0.0]))
+        return self._back_out(chair, np.array([x, 0.0, 0.0]))
 
     def _undock(self, chair: Instant) -> Command:
         if self.T_odom_dock is None:
@@ -411,7 +458,20 @@ class Phases:
             if self._standstill.has_stood(chair.stamp, self._measured(chair)):
                 raise GoalEnd(ResultCode.SUCCESS, "undocked")
             return STANDING
-        return self._drive(chair, "predock")
+        return self._back_out(chair, "predock")
+
+    def _back_out(self, chair: Instant, target: Target) -> Command:
+        """Out of the bay; something in the way, or so near that the chair gets nowhere, is waited for, not for ever."""
+        assert self.error is not None  # every caller has looked
+        outlines, longest = self._controller.obstacles, self._parameters.back_out_wait
+        obstacle, waited = self._way_back.obstacle(self.error, outlines), self._way_back.update(chair.stamp, self.error)
+        cause = obstacle or self.held_by or self._way_back.cause(self.error, outlines)
+        if cause and waited > longest:
+            raise GoalEnd(ResultCode.BLOCKED, f"waited for {longest:.0f} s to back out: {cause}")
+        if obstacle:
+            self._controller.reset()
+            return replace(STANDING, text=f"waits to back out: {obstacle}")
+        return self._drive(chair, target)
 
     def _dock_to_leave(self, chair: Instant) -> Array:
         """The dock in odom (3,): as known, however long ago it was seen, if the chair stands in it or on its way in or

@@ -20,6 +20,7 @@ class Phase(IntEnum):
     UNDOCKING = 6
     CORRECTING = 7
     SEARCHING = 8
+    PAUSED = 9
 
 
 class ResultCode(IntEnum):
@@ -49,6 +50,8 @@ class ResultCode(IntEnum):
     WRONG_DIRECTION = 919
     ODOMETRY_WRONG = 920
     WHEELS_SLIP = 921
+    CLIENT_LOST = 922
+    CHARGING = 923
     UNKNOWN = 999
 
 
