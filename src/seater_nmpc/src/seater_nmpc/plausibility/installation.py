@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 
 NAMES = ("the camera's x", "the camera's y", "the camera's yaw", "focal length or print size")
 PRIOR = np.array([0.03, 0.03, 0.03, 0.05])  # standard deviations before anything was measured
-_SLIPS = (0.15, 0.4, 1.0)
+_SLIPS = (0.15, 0.4, 1.0, 4.0)
 # Standard deviations of constant errors of the odometry (scale, turning scale, turn per metre), whatever is configured:
 # what is not told of it must not look like a wrong installation.
 _CONSTANT = (0.04, 0.04, 0.04)

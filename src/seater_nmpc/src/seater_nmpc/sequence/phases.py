@@ -154,8 +154,10 @@ class Phases:
         self._controller.set_speed_limit(v=v, why=f"images come only every {period:.2f} s")
 
     def blind(self, estimate: DockEstimate) -> bool:
-        """Whether the dock was seen too long ago, in time or way driven, to move towards it."""
+        """Whether the dock was seen too long ago, in time or way driven, to move towards it, or is seen elsewhere."""
         p = self._parameters
+        if self._observer.contradicted:
+            return True
         return estimate.blind_distance > p.max_blind_distance or estimate.age > p.max_blind_time
 
     def _enter(self, phase: Phase) -> None:
@@ -272,7 +274,8 @@ class Phases:
 
     def _approach(self, chair: Instant) -> Command:
         error = self._look(chair)
-        if self._way_in(error) or (self._at_predock(error, chair) and self._navigator.straight_way_clear(error)):
+        in_corridor = self._way_in(error) or self._way_in(self._rest_error(chair))
+        if in_corridor or (self._at_predock(error, chair) and self._navigator.straight_way_clear(error)):
             self._enter(Phase.FINAL)
             return self._final(chair)
         return self._go(chair, error)
@@ -307,9 +310,9 @@ class Phases:
 
     def _final(self, chair: Instant) -> Command:
         error = self._look(chair)
-        if self._corridor.missed(error):
-            return self._try_again(chair, ResultCode.FAILED_TO_STAGE, "outside the corridor at the bay")
         rest, speeds = self._rest_error(chair), self._speeds(chair)
+        if self._corridor.missed(error) and self._corridor.missed(rest):
+            return self._try_again(chair, ResultCode.FAILED_TO_STAGE, "outside the corridor at the bay")
         if rest[0] >= -self._stopping_margin(speeds) or self._standstill.in_place(chair.stamp, rest):
             self._enter(Phase.STOPPING)
             return STANDING
