@@ -42,7 +42,7 @@ class FilterBank:
 
     @property
     def slip(self) -> float:
-        """What it assumes, 0 to 1."""
+        """What it assumes, see drift.py."""
         return SLIPS[self._chosen]
 
     @property

@@ -41,7 +41,7 @@ class DockEstimate:
     age: float  # since the image behind it was taken [s]
     blind_distance: float  # driven since then [m]
     drift: Array  # (4,) errors of the odometry e_s [-], e_t [-], e_d [rad/m], b [rad/s], see drift.py
-    slip: float  # that the filter reckons with, 0 to 1
+    slip: float  # that the filter reckons with, see drift.py
 
     def true_speeds(self, v: float, omega: float) -> tuple[float, float]:
         """Of the chair [m/s, rad/s], from those that the odometry reports."""

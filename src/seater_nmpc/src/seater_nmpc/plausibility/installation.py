@@ -97,7 +97,7 @@ class Installation:
         self._middle = np.mean([marker.position[:2] for marker in dock.markers], axis=0)
         self._normal = float(np.mean([marker.normal_yaw for marker in dock.markers]))
         self._constant = np.diag(np.square([*_CONSTANT, parameters.gyro_bias_sd]))
-        self._drifts = [Drift(parameters, slip) for slip in _SLIPS]
+        self._drifts = [Drift(parameters, slip, both=True) for slip in _SLIPS]
         self.restart()
 
     def restart(self) -> None:
