@@ -42,6 +42,7 @@ _WELL_IN_FRONT = 0.3  # [m] nearer to the bay or farther from it, the side wall 
 _ASIDE = 0.35  # [rad] of the camera's axis, from which on markers may be out of view
 _SEEN_NOW = 0.5  # [s] or a few images: a dock seen so lately is in view
 _LANE = (0.3, 0.5)  # [m, rad] beside the dock's axis and ahead of the predock point, where a chair may back out
+_SURE = 0.5  # of the speed up to which the chair stands: as sure the odometry is to be of it
 _STOPPING_MARGIN = 0.001  # [m] short of the dock at which it may come to rest
 _UNSEEN_IMAGES = 6  # times between two images
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
@@ -209,7 +210,9 @@ class Phases:
 
     def _measured(self, chair: Instant) -> tuple[float, float]:
         """(v, omega) as the odometry's poses have it over `standing_time`, less its errors."""
-        speeds = self._observer.odometry.mean_speeds(self._parameters.standing_time) or (chair.v, chair.omega)
+        p = self._parameters
+        speeds = self._observer.odometry.mean_speeds(p.standing_time, _SURE * p.standing_speed)
+        speeds = speeds or (chair.v, chair.omega)
         return self._observer.true_speeds(*speeds, chair.stamp)
 
     def _wait(self, chair: Instant) -> Command:
@@ -384,6 +387,9 @@ class Phases:
         self._look(chair)
         if self._verification is None:
             self._verification = Verification(self._dock, self._parameters, self._require_contact, chair.stamp)
+        if not self._standstill.stands(chair.stamp, self._measured(chair)) and not self._verification.nudged:
+            self._enter(Phase.STOPPING)  # it creeps or was pushed: what the images said so far is of another place
+            return STANDING
         v, verdict = self._verification.update(chair.stamp, chair, self._observer, self.contact)
         if self._verification.error is not None:
             self.error, self.covariance = self._verification.error, self._verification.covariance

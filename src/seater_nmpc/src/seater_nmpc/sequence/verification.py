@@ -47,6 +47,11 @@ class Verification:
         self.covariance: Array | None = None  # (3, 3) of the dock in base_link, by the images' own noise
         self.error: Array | None = None  # (x, y, heading) of base_link in the dock's frame, once measured
 
+    @property
+    def nudged(self) -> bool:
+        """Whether the chair was asked to move, for the contact."""
+        return self._nudge_from is not None or self._nudged
+
     def update(self, now: float, chair: Instant, observer: DockObserver, contact: bool | None) -> tuple[float, Verdict]:
         """Speed to ask for [m/s], and the verdict. Speed is zero with every verdict but PENDING."""
         if self._T_odom_dock is None:
