@@ -34,7 +34,7 @@ class WetSpot:
 
 @pytest.mark.parametrize(("at", "turn"), [(-0.8, 1.1), (-0.5, 1.1), (-0.8, 1.6), (-0.8, -1.6), (-0.5, 1.6)])
 def test_a_wheel_that_spins_in_front_of_the_bay(make_world, at: float, turn: float) -> None:
-    """It turned 17 deg against a wall, as no filter believed the images any more. Where the spot is too wet to dock, the
+    """It turned 17 deg against a wall, as no filter believed the images any more. Where it is too wet, the
     docking ends; no wall is touched."""
     world = make_world((-2.0, 0.1, 0.0), seen=lambda w: round(w.now * 100) % 12 == 0)  # 8 Hz
     spot = WetSpot(at, turn)
