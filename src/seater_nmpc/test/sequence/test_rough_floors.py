@@ -76,3 +76,25 @@ def test_a_chair_that_creeps_is_not_docked(make_world) -> None:
     assert step.result is None and abs(step.command.v) == 0.0
     step = world.run(60.0)
     assert not step.result.success and "come to rest" in step.result.text, step.result
+
+
+@pytest.mark.parametrize("after", [0.1, 0.15, 0.2])
+def test_a_chair_that_is_pushed_while_it_is_verified_is_measured_anew(make_world, after: float) -> None:
+    """By 12 mm in a moment, on tyres that slide: images before and after gave a mean within the tolerance."""
+    world = make_world((-1.0, 0.0, 0.0))
+    world.measures = lambda w, odometry: replace(odometry, pose=compose(T_ODOM_DOCK, w.truth - w.pushed))
+    world.shows = lambda w, found: [replace(seen, covariance=16.0 * seen.covariance) for seen in found]  # ill told
+    world.pushed, began = np.zeros(3), []
+
+    def push(step) -> bool:
+        began.extend([world.now] if step.phase is Phase.VERIFY and not began else [])
+        if began and world.now - began[0] >= after and not world.pushed.any():
+            world.pushed = np.array([0.0, 0.013, 0.0])
+            world.truth = world.truth + world.pushed
+        return False
+
+    world.tick()
+    world.sequence.start_dock(world.now)
+    step = world.run(60.0, until=push)
+    assert world.pushed.any() and step.result is not None
+    assert not step.result.success or math.hypot(*world.truth[:2]) <= 0.01

@@ -387,10 +387,11 @@ class Phases:
         self._look(chair)
         if self._verification is None:
             self._verification = Verification(self._dock, self._parameters, self._require_contact, chair.stamp)
-        if not self._standstill.stands(chair.stamp, self._measured(chair)) and not self._verification.nudged:
-            self._enter(Phase.STOPPING)  # it creeps or was pushed: what the images said so far is of another place
-            return STANDING
         v, verdict = self._verification.update(chair.stamp, chair, self._observer, self.contact)
+        creeps = not self._standstill.stands(chair.stamp, self._measured(chair)) and not self._verification.nudged
+        if creeps or verdict is Verdict.MOVED:
+            self._enter(Phase.STOPPING)  # what the images said so far is of another place
+            return STANDING
         if self._verification.error is not None:
             self.error, self.covariance = self._verification.error, self._verification.covariance
         if verdict is Verdict.PENDING:
