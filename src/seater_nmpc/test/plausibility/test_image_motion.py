@@ -26,3 +26,19 @@ def test_images_in_the_order_of_their_times_give_the_speed_of_the_odometry() -> 
 def test_others_give_none(stamps: list[float]) -> None:
     """As after a clock that went backward; the first divided by zero."""
     assert speeds_by_images(images(stamps), MIDDLE) is None
+
+
+def test_two_flipped_images_in_a_row_are_no_wheels_that_spin() -> None:
+    """As a chair saw them on its way at 0.5 m/s: flipped, the dock stands nearly where it was, only turned."""
+    chair = [(3.115, -1.392, 0.909), (3.139, -1.359, 0.981), (3.163, -1.319, 1.057), (3.186, -1.274, 1.133)]
+    dock = [(4.406, 1.197, 0.633), (4.432, 1.211, 0.635), (4.42, 1.215, 0.643), (5.076, 0.995, 1.425)]
+    chair, dock = [*chair, (3.207, -1.225, 1.21)], [*dock, (5.039, 0.983, 1.404)]
+    covariance = np.diag([0.014**2, 0.014**2, 0.01**2])
+    shown = [
+        (Instant(0.1 * i, np.array(at), 0.5, 0.7, NO_TRAVEL), [Measurement(np.array(seen), covariance)])
+        for i, (at, seen) in enumerate(zip(chair, dock, strict=True))
+    ]
+    assert speeds_by_images(shown, MIDDLE) is None
+    right = [*shown[:3], *((at, [Measurement(np.array([4.42, 1.213, 0.64]), covariance)]) for at, _ in shown[3:])]
+    speeds = speeds_by_images(right, MIDDLE)
+    assert speeds is not None and speeds.images[0] == pytest.approx(speeds.odometry[0], abs=0.1)

@@ -18,7 +18,8 @@ from seater_nmpc.parameters import ObserverParameters
 
 Array = NDArray[np.float64]
 
-SLIPS = (0.0, 0.15, 0.4, 1.0)  # what the filters assume, see drift.py
+# What the filters assume, see drift.py. The last: a wheel that spins on a wet spot turns the chair by 1 rad/m at once.
+SLIPS = (0.0, 0.15, 0.4, 1.0, 4.0)
 _FADING = 0.8  # weight of the evidence so far at the next image
 _LEAD = 2.0  # in log likelihood, by which another filter has to be ahead to be chosen
 _PERSISTENCE = 2  # images in a row in which it has to be
@@ -41,7 +42,7 @@ class FilterBank:
 
     @property
     def slip(self) -> float:
-        """What it assumes, 0 to 1."""
+        """What it assumes, see drift.py."""
         return SLIPS[self._chosen]
 
     @property

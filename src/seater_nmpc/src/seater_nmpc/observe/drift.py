@@ -14,7 +14,8 @@ variance side_noise^2 |s|, too, of which the odometry says nothing.
 
 On a floor that is wet here and dry there, e changes on the way and the noise is many times larger. How much so is the
 `slip`, from 0 (tyres that roll, as the parameters say) to 1 (the parameters slip_*): the noise grows by
-slip^2 slip_noise^2, and e walks at random by slip * slip_walk in each square root of a metre (or radian).
+slip^2 slip_noise^2, and e walks at random by slip * slip_walk in each square root of a metre (or radian). A slip beyond
+1 is a single wheel that spins: it turns the chair as such a slip says, but takes no more of its way than one of 1.
 """
 
 from __future__ import annotations
@@ -36,22 +37,24 @@ _I = np.eye(SIZE)
 class Drift:
     """The model for one assumption about the slip."""
 
-    def __init__(self, parameters: ObserverParameters, slip: float) -> None:
-        p, square = parameters, slip * slip
-        self.slip = slip
+    def __init__(self, parameters: ObserverParameters, slip: float, *, both: bool = False) -> None:
+        """`both`: beyond 1, too, the slip is that of both wheels."""
+        p, turning = parameters, slip * slip
+        self.slip, self._rolling = slip, slip if both else min(slip, 1.0)
+        along = self._rolling**2
         self._p = p
-        self._along = p.distance_noise**2 + square * p.slip_distance_noise**2
-        self._aside = p.side_noise**2 + square * p.slip_side_noise**2
-        self._by_way = p.heading_noise**2 + square * p.slip_heading_noise**2
-        self._by_turn = p.turn_noise**2 + square * p.slip_turn_noise**2
-        self._walk, self._walk_turn = square * p.slip_walk**2, square * p.slip_walk_turn**2
+        self._along = p.distance_noise**2 + along * p.slip_distance_noise**2
+        self._aside = p.side_noise**2 + along * p.slip_side_noise**2
+        self._by_way = p.heading_noise**2 + turning * p.slip_heading_noise**2
+        self._by_turn = p.turn_noise**2 + along * p.slip_turn_noise**2
+        self._walk, self._walk_turn = along * p.slip_walk**2, turning * p.slip_walk_turn**2
 
     def initial_errors(self) -> tuple[Array, Array]:
         """Mean (4,) and covariance (4, 4) of (e_s, e_t, e_d, b) before anything was measured."""
         p = self._p
         mean = np.array([p.odometry_scale, p.odometry_heading_scale, p.odometry_heading_drift, 0.0])
         sd = np.array([p.scale_sd, p.heading_scale_sd, p.heading_drift_sd, 0.0])
-        slipping = self.slip * np.array([p.slip_walk, p.slip_walk, p.slip_walk_turn, p.gyro_bias_sd])
+        slipping = self._rolling * np.array([p.slip_walk, p.slip_walk, p.slip_walk_turn, p.gyro_bias_sd])
         return mean, np.diag(sd**2 + slipping**2)
 
     def transition(self, dock: Array, last: Instant, now: Instant) -> tuple[Array, Array]:

@@ -28,6 +28,7 @@ from seater_nmpc.parameters import ObserverParameters
 Array = NDArray[np.float64]
 
 _RATE_IMAGES = 9  # images from which their usual distance in time is taken
+_CONTRADICTING = (4, 0.3)  # images in a row, and time [s], after which images that are not believed contradict
 _MOST_WAITING = 20  # images that may wait for the odometry of their time
 
 
@@ -40,7 +41,7 @@ class DockEstimate:
     age: float  # since the image behind it was taken [s]
     blind_distance: float  # driven since then [m]
     drift: Array  # (4,) errors of the odometry e_s [-], e_t [-], e_d [rad/m], b [rad/s], see drift.py
-    slip: float  # that the filter reckons with, 0 to 1
+    slip: float  # that the filter reckons with, see drift.py
 
     def true_speeds(self, v: float, omega: float) -> tuple[float, float]:
         """Of the chair [m/s, rad/s], from those that the odometry reports."""
@@ -83,6 +84,7 @@ class DockObserver:
         self.elsewhere: tuple[float, float] | None = None  # [m, rad] so far off images agree on another place
         self._stamps: deque[float] = deque(maxlen=_RATE_IMAGES)
         self._since_used: Counter[Outcome] = Counter()  # what became of the images since the last used one
+        self._doubted: deque[float] = deque(maxlen=_CONTRADICTING[0])  # times of images outside the gate since then
 
     def acquire_moving(self, moving: bool) -> None:
         """Whether the first estimate may be made while the chair moves; else as constructed."""
@@ -115,15 +117,24 @@ class DockObserver:
             self._stamps.append(stamp)
         if fusion.outcome is Outcome.GATE:
             self.last_rejected = fusion.innovation
+            self._doubted.append(stamp)
         elif fusion.outcome.accepted:
             self.last_rejected = self.elsewhere = None
             self._since_used.clear()
+            self._doubted.clear()
         return fusion
 
     @property
     def image_period(self) -> float:
         """Usual time between two images [s], whatever they show; 0 before there are three."""
         return float(np.median(np.diff(np.array(self._stamps)))) if len(self._stamps) > 2 else 0.0
+
+    @property
+    def contradicted(self) -> bool:
+        """Whether several images in a row show the dock where it cannot be: no chair should drive by what they say, nor
+        by what is known without them."""
+        count, duration = _CONTRADICTING
+        return len(self._doubted) == count and self._doubted[-1] - self._doubted[0] >= duration
 
     @property
     def why_unseen(self) -> str:

@@ -101,6 +101,9 @@ class Instant:
         return self.travel.turned
 
 
+_LONGER = 4.0  # times as long a time is looked at, where the poses are noisy
+_FEWEST = 5  # poses by which their noise can be told
+_MEDIAN = 0.6745  # of the absolute value, times the standard deviation (normal distribution)
 _PERIOD_GAIN = 0.1  # weight of the newest message in the usual period
 
 
@@ -143,15 +146,34 @@ class OdometryBuffer:
         """The last message."""
         return self._samples[-1] if self._samples else None
 
-    def mean_speeds(self, duration: float) -> tuple[float, float] | None:
-        """(v [m/s], omega [rad/s]) over the last `duration` [s] by the poses, as far as they reach back."""
+    def mean_speeds(self, duration: float, sd: float = math.inf) -> tuple[float, float] | None:
+        """(v [m/s], omega [rad/s]) over the last `duration` [s] by the poses, as far as they reach back.
+
+        Where noise of the poses (odometry by a laser scan or by images) leaves that less certain than the standard
+        deviation `sd` [m/s, rad/s], the line that fits them best over a longer time.
+        """
         if len(self._samples) < 2:
             return None
         newest = self._samples[-1]
-        before = next((s for s in reversed(self._samples) if s.stamp <= newest.stamp - duration), self._samples[0])
-        x, y, turn = relative(before.pose, newest.pose)
-        elapsed = newest.stamp - before.stamp
-        return math.copysign(math.hypot(x, y), x) / elapsed, float(turn) / elapsed
+        last = self._since(newest.stamp - duration)
+        rows = _places(last, newest)
+        speeds = (rows[-1] - rows[0]) / (newest.stamp - last[0].stamp)
+        noise = _noise(rows)
+        longest = _LONGER * duration
+        if len(rows) >= _FEWEST and math.sqrt(2.0) * noise > sd * (newest.stamp - last[0].stamp):
+            last = self._since(newest.stamp - longest)
+            times = np.array([sample.stamp - newest.stamp for sample in last])
+            speeds = np.polyfit(times, _places(last, newest), 1)[0]
+        return float(speeds[0]), float(speeds[1])
+
+    def _since(self, stamp: float) -> list[Instant]:
+        """The messages from the last one at or before `stamp` [s] on; all, where none is as old."""
+        kept: list[Instant] = []
+        for sample in reversed(self._samples):
+            kept.append(sample)
+            if sample.stamp <= stamp:
+                break
+        return kept[::-1]
 
     def at(self, stamp: float) -> Instant | None:
         """The chair at `stamp`; None outside the buffer (a little ahead of it the last speeds are carried on)."""
@@ -173,6 +195,27 @@ class OdometryBuffer:
                 return _between(before, after, stamp)
             after = before
         return None
+
+
+def _places(samples: list[Instant], newest: Instant) -> Array:
+    """(n, 2): how far along the newest heading [m], and which way [rad], the chair was, seen from where it is now."""
+    x, y, heading = newest.pose.tolist()
+    c, s = math.cos(heading), math.sin(heading)
+    return np.array(
+        [
+            (c * (each.pose[0] - x) + s * (each.pose[1] - y), math.remainder(each.pose[2] - heading, 2.0 * math.pi))
+            for each in samples
+        ]
+    )
+
+
+def _noise(places: Array) -> float:
+    """Standard deviation of the white noise in `places` [m, rad], the larger one: what no even motion explains, by the
+    median of the second differences, whose variance is six times the noise's."""
+    if len(places) < _FEWEST:
+        return 0.0
+    typical = np.median(np.abs(np.diff(places, n=2, axis=0)), axis=0)
+    return float(typical.max()) / (_MEDIAN * math.sqrt(6.0))
 
 
 def _step(before: Array, after: Array, duration: float) -> Travel:

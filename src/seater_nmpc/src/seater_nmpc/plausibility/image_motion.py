@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_common.se2 import relative, transform_points
+from seater_common.se2 import relative, transform_points, wrap_angles
 from seater_nmpc.observe.measurement import Measurement
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import PlausibilityParameters
@@ -28,7 +28,9 @@ _WINDOW = 0.4  # [s] of images
 _FEWEST, _LONGEST = 5, 1.2  # images; [s] that they may take, else the camera is too slow for this
 _NEAREST = 0.3  # [m] of the markers ahead: nearer, their bearing says little of turning
 _CERTAIN = 3.0  # standard deviations
-_ON_THE_LINE = 0.015  # [m] off the line that an image may be, beyond its own standard deviations: speeds change
+# [m, rad] off the line that an image may be, beyond its own standard deviations: speeds change. Two flipped images in a
+# row, whose place is nearly right, looked like wheels that spin: the heading tells.
+_ON_THE_LINE = (0.015, 0.1)
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ def speeds_by_images(shown: Shown, middle: Array, fewest: int = _FEWEST) -> Imag
     places = np.array([transform_points(one.pose, middle[None, :])[0] for one in best])
     sds = _sds(best, middle)
     x, y, _ = relative(last.pose, [*places[-1], 0.0]).tolist()
-    slopes = _slopes(times, places, sds)
+    slopes = _slopes(times, places, sds, best)
     if slopes is None or x < _NEAREST:
         return None
     c, s = math.cos(last.pose[2]), math.sin(last.pose[2])
@@ -118,17 +120,21 @@ def _sds(best: list[Measurement], middle: Array) -> Array:
     return np.asarray(np.sqrt(np.linalg.eigvalsh(P)[:, -1]))
 
 
-def _slopes(times: Array, places: Array, sds: Array) -> Array | None:
-    """Of the lines through all images but one, (n, 2) [m/s], as far as they fit those; None where none does. A plainly
-    wrong image is left out, and of those that fit the smallest slope counts."""
+def _slopes(times: Array, places: Array, sds: Array, best: list[Measurement]) -> Array | None:
+    """Of the lines through all images but one, (n, 2) [m/s], as far as they fit those, in place and heading; None where
+    none does. A plainly wrong image is left out, and of those that fit the smallest slope counts."""
     n = len(times)
+    headings = wrap_angles(np.array([one.pose[2] for one in best]) - best[-1].pose[2])
+    places = np.column_stack([places, headings])
+    allowed = _CERTAIN * np.column_stack([sds, [math.sqrt(one.covariance[2, 2]) for one in best]]) + _ON_THE_LINE
     kept = np.nonzero(~np.eye(n, dtype=bool))[1].reshape(n, n - 1)  # row i: all but the i-th
-    t, there = times[kept], places[kept]  # (n, n - 1) and (n, n - 1, 2)
+    t, there = times[kept], places[kept]  # (n, n - 1) and (n, n - 1, 3)
     t, there = t - t.mean(axis=1)[:, None], there - there.mean(axis=1)[:, None, :]
     slopes = np.array([one @ place / float(one @ one) for one, place in zip(t, there, strict=True)])
-    off = np.hypot(*np.moveaxis(there - t[:, :, None] * slopes[:, None, :], 2, 0))
-    fits = np.all(off <= _CERTAIN * sds[kept] + _ON_THE_LINE, axis=1)
-    return slopes[fits] if fits.any() else None
+    left = there - t[:, :, None] * slopes[:, None, :]
+    off = np.stack([np.hypot(left[..., 0], left[..., 1]), np.abs(left[..., 2])], axis=2)
+    fits = np.all(off <= allowed[kept], axis=(1, 2))
+    return slopes[fits, :2] if fits.any() else None
 
 
 def _smallest(values: Array) -> float:

@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 NAMES = ("the camera's x", "the camera's y", "the camera's yaw", "focal length or print size")
 KEYS = ("mount_x", "mount_y", "mount_yaw", "depth")  # the same, short
 PRIOR = np.array([0.03, 0.03, 0.03, 0.05])  # standard deviations before anything was measured
-_SLIPS = (0.15, 0.4, 1.0)
+_SLIPS = (0.15, 0.4, 1.0, 4.0)
 # Standard deviations of constant errors of the odometry (scale, turning scale, turn per metre), whatever is configured:
 # what is not told of it must not look like a wrong installation.
 _CONSTANT = (0.04, 0.04, 0.04)
@@ -98,7 +98,7 @@ class Installation:
         self._middle = np.mean([marker.position[:2] for marker in dock.markers], axis=0)
         self._normal = float(np.mean([marker.normal_yaw for marker in dock.markers]))
         self._constant = np.diag(np.square([*_CONSTANT, parameters.gyro_bias_sd]))
-        self._drifts = [Drift(parameters, slip) for slip in _SLIPS]
+        self._drifts = [Drift(parameters, slip, both=True) for slip in _SLIPS]
         self.restart()
 
     def restart(self) -> None:

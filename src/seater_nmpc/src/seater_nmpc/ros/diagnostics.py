@@ -72,7 +72,7 @@ class Diagnostics:
             status.add(f"learned: deadband of {name} [{unit}]", f"{axis.deadband:.3f} ({kind})")
         status.add("learned: turns by itself [rad/m]", f"{drive.curvature:.3f}")
         if estimate is not None:
-            status.add("wheels slip, 0 to 1", f"{estimate.slip:.2f}")
+            status.add("wheels slip, 0 to 1; 4: one spins", f"{estimate.slip:.2f}")
             status.add("gyro bias [rad/s]", f"{estimate.drift[3]:.4f}")
         for name, (value, sd) in self.installation.items():  # [m], [rad], share; read by the history
             status.add(f"installation: {name}", f"{value:.5f} +- {sd:.5f}")

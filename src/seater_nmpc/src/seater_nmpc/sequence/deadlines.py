@@ -62,5 +62,7 @@ class Deadlines:
             return ResultCode.TIMEOUT, f"not finished within {self._timeout:.1f} s"
         limit, code = self._limits.get(phase, (float("inf"), ResultCode.TIMEOUT))
         if now - self._entered > limit:
+            if phase is Phase.STOPPING:
+                return code, f"the chair has not come to rest within {limit:.1f} s"
             return code, f"{phase.name} took longer than {limit:.1f} s"
         return None

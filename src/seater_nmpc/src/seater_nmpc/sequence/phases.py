@@ -45,6 +45,7 @@ _WELL_IN_FRONT = 0.3  # [m] nearer to the bay or farther from it, the side wall 
 _ASIDE = 0.35  # [rad] of the camera's axis, from which on markers may be out of view
 _SEEN_NOW = 0.5  # [s] or a few images: a dock seen so lately is in view
 _LANE = (0.3, 0.5)  # [m, rad] beside the dock's axis and ahead of the predock point, where a chair may back out
+_SURE = 0.5  # of the speed up to which the chair stands: as sure the odometry is to be of it
 _STOPPING_MARGIN = 0.001  # [m] short of the dock at which it may come to rest
 _UNSEEN_IMAGES = 6  # times between two images
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
@@ -200,8 +201,10 @@ class Phases:
         return self.phase in _BACKING_OUT or self._back_off is not None
 
     def blind(self, estimate: DockEstimate) -> bool:
-        """Whether the dock was seen too long ago, in time or way driven, to move towards it."""
+        """Whether the dock was seen too long ago, in time or way driven, to move towards it, or is seen elsewhere."""
         p = self._parameters
+        if self._observer.contradicted:
+            return True
         return estimate.blind_distance > p.max_blind_distance or estimate.age > p.max_blind_time
 
     def _enter(self, phase: Phase) -> None:
@@ -254,7 +257,9 @@ class Phases:
 
     def _measured(self, chair: Instant) -> tuple[float, float]:
         """(v, omega) as the odometry's poses have it over `standing_time`, less its errors."""
-        speeds = self._observer.odometry.mean_speeds(self._parameters.standing_time) or (chair.v, chair.omega)
+        p = self._parameters
+        speeds = self._observer.odometry.mean_speeds(p.standing_time, _SURE * p.standing_speed)
+        speeds = speeds or (chair.v, chair.omega)
         return self._observer.true_speeds(*speeds, chair.stamp)
 
     def _wait(self, chair: Instant) -> Command:
@@ -319,7 +324,8 @@ class Phases:
 
     def _approach(self, chair: Instant) -> Command:
         error = self._look(chair)
-        if self._way_in(error) or (self._at_predock(error, chair) and self._navigator.straight_way_clear(error)):
+        in_corridor = self._way_in(error) or self._way_in(self._rest_error(chair))
+        if in_corridor or (self._at_predock(error, chair) and self._navigator.straight_way_clear(error)):
             self._enter(Phase.FINAL)
             return self._final(chair)
         return self._go(chair, error)
@@ -354,9 +360,9 @@ class Phases:
 
     def _final(self, chair: Instant) -> Command:
         error = self._look(chair)
-        if self._corridor.missed(error):
-            return self._try_again(chair, ResultCode.FAILED_TO_STAGE, "outside the corridor at the bay")
         rest, speeds = self._rest_error(chair), self._speeds(chair)
+        if self._corridor.missed(error) and self._corridor.missed(rest):
+            return self._try_again(chair, ResultCode.FAILED_TO_STAGE, "outside the corridor at the bay")
         if rest[0] >= -self._stopping_margin(speeds) or self._standstill.in_place(chair.stamp, rest):
             self._enter(Phase.STOPPING)
             return STANDING
@@ -429,6 +435,10 @@ class Phases:
         if self._verification is None:
             self._verification = Verification(self._dock, self._parameters, self._require_contact, chair.stamp)
         v, verdict = self._verification.update(chair.stamp, chair, self._observer, self.contact)
+        creeps = not self._standstill.stands(chair.stamp, self._measured(chair)) and not self._verification.nudged
+        if creeps or verdict is Verdict.MOVED:
+            self._enter(Phase.STOPPING)  # what the images said so far is of another place
+            return STANDING
         if self._verification.error is not None:
             self.error, self.covariance = self._verification.error, self._verification.covariance
         if verdict is Verdict.PENDING:

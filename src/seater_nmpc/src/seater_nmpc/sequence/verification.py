@@ -8,14 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.geometry import Dock, Tolerance
-from seater_common.se2 import compose, relative
+from seater_common.se2 import compose, inverse, relative
+from seater_nmpc.observe.measurement import difference, in_frame
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import SequenceParameters
-from seater_nmpc.sequence.correction import standing_measurement
+from seater_nmpc.sequence.correction import Fresh, standing_measurement
 
 Array = NDArray[np.float64]
 
+_SHIFTED = np.array([0.004, 0.004, 0.007])  # [m, m, rad] between earlier and later images: not one place any more
+_SURELY = (
+    6.0  # and so many standard deviations, as the images scatter among themselves (what is told of them may be wrong)
+)
+_LEAST = 1e-4  # [m, rad] that they scatter at least
 _AS_LONG = 1.6  # times what the images take that are wanted, if all are good
 
 
@@ -23,6 +29,7 @@ class Verdict(Enum):
     """What verification says."""
 
     PENDING = "pending"
+    MOVED = "the chair was moved while it was measured"
     DOCKED = "docked"
     OUTSIDE = "outside the tolerance"
     UNSEEN = "too few fresh measurements"
@@ -32,6 +39,26 @@ class Verdict(Enum):
 def within(error: Array, tolerance: Tolerance) -> bool:
     """Whether the pose error (x, y, heading) of base_link in the dock's frame is within the tolerance."""
     return float(np.hypot(error[0], error[1])) <= tolerance.position and abs(float(error[2])) <= tolerance.heading
+
+
+def moved(fresh: Fresh) -> bool:
+    """Whether earlier and later images show the standing chair at two places: somebody moved it, unseen by its wheels.
+
+    Student's t of the two means, for each place where the series may be cut.
+    """
+    shown = [in_frame(inverse(instant.pose), measurement).pose for instant, measurement in fresh]
+    places = np.array([difference(pose, shown[0]) for pose in shown])
+    n = len(places)
+    for k in range(2, n - 1):
+        before, after = places[:k], places[k:]
+        shift = np.abs(after.mean(axis=0) - before.mean(axis=0))
+        squares = np.sum((before - before.mean(axis=0)) ** 2, axis=0) + np.sum(
+            (after - after.mean(axis=0)) ** 2, axis=0
+        )
+        sd = np.sqrt((squares / (n - 2) + _LEAST**2) * (1.0 / k + 1.0 / (n - k)))
+        if bool(np.any((shift > _SHIFTED) & (shift > _SURELY * sd))):
+            return True
+    return False
 
 
 class Verification:
@@ -47,6 +74,11 @@ class Verification:
         self.covariance: Array | None = None  # (3, 3) of the dock in base_link, by the images' own noise
         self.error: Array | None = None  # (x, y, heading) of base_link in the dock's frame, once measured
 
+    @property
+    def nudged(self) -> bool:
+        """Whether the chair was asked to move, for the contact."""
+        return self._nudge_from is not None or self._nudged
+
     def update(self, now: float, chair: Instant, observer: DockObserver, contact: bool | None) -> tuple[float, Verdict]:
         """Speed to ask for [m/s], and the verdict. Speed is zero with every verdict but PENDING."""
         if self._T_odom_dock is None:
@@ -56,6 +88,8 @@ class Verification:
                 patience = max(self._parameters.timeouts.verify, _AS_LONG * wanted * observer.image_period)
                 late = now - self._start > patience
                 return 0.0, Verdict.UNSEEN if late else Verdict.PENDING
+            if moved(fresh):
+                return 0.0, Verdict.MOVED
             standing = standing_measurement(fresh)
             self.covariance = standing.covariance
             self._T_odom_dock, self._wait_since = compose(chair.pose, standing.pose), now

@@ -1,0 +1,100 @@
+"""Wheels that spin, odometry that trembles, a chair that creeps though its motors stand: found on a tester's plant."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import T_ODOM_DOCK
+
+from seater_common.se2 import arc_step, compose, inverse
+from seater_nmpc.sequence.results import Phase
+
+
+class WetSpot:
+    """From x = `at` on for 0.3 m one wheel slips; the odometry, which counts its turns, knows nothing of it."""
+
+    def __init__(self, at: float, turn: float) -> None:
+        """`turn` [rad/m]: a chair of 0.55 m track turns by 1.1 where a wheel slips by 60 %, by 1.6 where by 90 %."""
+        self.at, self.turn, self.wheels = at, turn, None
+
+    def moves(self, world, v, omega):
+        on_it = self.at <= world.truth[0] <= self.at + 0.3
+        self.commanded = (v, omega)
+        return (0.7 * v, omega + self.turn * v) if on_it else (v, omega)
+
+    def measures(self, world, odometry):
+        if self.wheels is None:
+            self.wheels = compose(T_ODOM_DOCK, world.truth)
+        self.wheels = arc_step(self.wheels, *self.commanded, 0.01)
+        return replace(odometry, pose=self.wheels, v=self.commanded[0], omega=self.commanded[1])
+
+
+@pytest.mark.parametrize(("at", "turn"), [(-0.8, 1.1), (-0.5, 1.1), (-0.8, 1.6), (-0.8, -1.6), (-0.5, 1.6)])
+def test_a_wheel_that_spins_in_front_of_the_bay(make_world, at: float, turn: float) -> None:
+    """It turned 17 deg against a wall, as no filter believed the images any more. Where it is too wet, the
+    docking ends; no wall is touched."""
+    world = make_world((-2.0, 0.1, 0.0), seen=lambda w: round(w.now * 100) % 12 == 0)  # 8 Hz
+    spot = WetSpot(at, turn)
+    world.moves, world.measures = spot.moves, spot.measures
+    world.tick()
+    world.sequence.start_dock(world.now)
+    off = []
+
+    def estimate_is_off(step) -> bool:
+        estimate = world.sequence.observer.estimate()
+        if estimate is not None:
+            expected = compose(spot.wheels, inverse(world.truth))
+            off.append(abs(math.remainder(estimate.pose[2] - expected[2], 2.0 * math.pi)))
+        return False
+
+    step = world.run(60.0, until=estimate_is_off)
+    assert step.result is not None and (step.result.success or abs(turn) > 1.5), step.result
+    assert world.smallest_clearance > 0.02 and max(off) < math.radians(4.0)
+
+
+@pytest.mark.parametrize("noise", [0.0005, 0.001, 0.002])
+def test_odometry_with_noise_stands_all_the_same(make_world, noise: float) -> None:
+    """As from matching laser scans or images: [m, rad] in each pose."""
+    rng = np.random.default_rng(4)
+    world = make_world((-1.2, 0.02, 1.0))
+    world.measures = lambda world, odometry: replace(odometry, pose=odometry.pose + rng.normal(size=3) * noise)
+    world.tick()
+    world.sequence.start_dock(world.now)
+    assert world.run(40.0).result.success
+
+
+def test_a_chair_that_creeps_is_not_docked(make_world) -> None:
+    """At 13 mm/s a chair was called docked: verification looked at its wheels when it began, and not again."""
+    world = make_world((-1.0, 0.0, 0.0))
+    world.tick()
+    world.sequence.start_dock(world.now)
+    world.moves = lambda w, v, omega: (v - 0.013, omega) if "VERIFY" in w.phases else (v, omega)
+    step = world.run(60.0, until=lambda step: step.phase is Phase.STOPPING and "VERIFY" in world.phases)
+    assert step.result is None and abs(step.command.v) == 0.0
+    step = world.run(60.0)
+    assert not step.result.success and "come to rest" in step.result.text, step.result
+
+
+@pytest.mark.parametrize("after", [0.1, 0.15, 0.2])
+def test_a_chair_that_is_pushed_while_it_is_verified_is_measured_anew(make_world, after: float) -> None:
+    """By 12 mm in a moment, on tyres that slide: images before and after gave a mean within the tolerance."""
+    world = make_world((-1.0, 0.0, 0.0))
+    world.measures = lambda w, odometry: replace(odometry, pose=compose(T_ODOM_DOCK, w.truth - w.pushed))
+    world.shows = lambda w, found: [replace(seen, covariance=16.0 * seen.covariance) for seen in found]  # ill told
+    world.pushed, began = np.zeros(3), []
+
+    def push(step) -> bool:
+        began.extend([world.now] if step.phase is Phase.VERIFY and not began else [])
+        if began and world.now - began[0] >= after and not world.pushed.any():
+            world.pushed = np.array([0.0, 0.013, 0.0])
+            world.truth = world.truth + world.pushed
+        return False
+
+    world.tick()
+    world.sequence.start_dock(world.now)
+    step = world.run(60.0, until=push)
+    assert world.pushed.any() and step.result is not None
+    assert not step.result.success or math.hypot(*world.truth[:2]) <= 0.01
