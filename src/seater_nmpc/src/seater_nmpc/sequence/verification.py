@@ -18,9 +18,7 @@ from seater_nmpc.sequence.correction import Fresh, standing_measurement
 Array = NDArray[np.float64]
 
 _SHIFTED = np.array([0.004, 0.004, 0.007])  # [m, m, rad] between earlier and later images: not one place any more
-_SURELY = (
-    6.0  # and so many standard deviations, as the images scatter among themselves (what is told of them may be wrong)
-)
+_SURELY = 6.0  # and so many standard deviations, as the images scatter: what is told of them may be wrong
 _LEAST = 1e-4  # [m, rad] that they scatter at least
 _AS_LONG = 1.6  # times what the images take that are wanted, if all are good
 
@@ -52,9 +50,7 @@ def moved(fresh: Fresh) -> bool:
     for k in range(2, n - 1):
         before, after = places[:k], places[k:]
         shift = np.abs(after.mean(axis=0) - before.mean(axis=0))
-        squares = np.sum((before - before.mean(axis=0)) ** 2, axis=0) + np.sum(
-            (after - after.mean(axis=0)) ** 2, axis=0
-        )
+        squares = k * before.var(axis=0) + (n - k) * after.var(axis=0)
         sd = np.sqrt((squares / (n - 2) + _LEAST**2) * (1.0 / k + 1.0 / (n - k)))
         if bool(np.any((shift > _SHIFTED) & (shift > _SURELY * sd))):
             return True
