@@ -39,7 +39,7 @@ def test_a_fault_is_told_in_words() -> None:
         ("spinning@-0.4", "WHEELS_SLIP", 0.75, 0.001),  # five images at 10 Hz, 0.12 s late, and one more
         ("stuck@-1.0", "BLOCKED", 0.6, 0.001),
         ("runaway@-0.4", "RUNAWAY", 4.0, 0.55),
-        ("shifted:0.3@-0.4", "INCONSISTENT", 4.0, 0.4),
+        ("shifted:0.3@-0.4", "INCONSISTENT", 3.0, 0.2),
     ],
 )
 def test_each_is_noticed_in_time_and_named(text: str, code: str, noticed: float, way: float) -> None:

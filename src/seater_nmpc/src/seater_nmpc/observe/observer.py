@@ -28,7 +28,7 @@ from seater_nmpc.parameters import ObserverParameters
 Array = NDArray[np.float64]
 
 _RATE_IMAGES = 9  # images from which their usual distance in time is taken
-_CONTRADICTING = (4, 0.3)  # images in a row, and time [s], after which images that are not believed contradict
+_CONTRADICTING = (4, 0.25)  # images in a row, and time [s], after which images that are not believed contradict
 _MOST_WAITING = 20  # images that may wait for the odometry of their time
 
 
@@ -84,7 +84,8 @@ class DockObserver:
         self.elsewhere: tuple[float, float] | None = None  # [m, rad] so far off images agree on another place
         self._stamps: deque[float] = deque(maxlen=_RATE_IMAGES)
         self._since_used: Counter[Outcome] = Counter()  # what became of the images since the last used one
-        self._doubted: deque[float] = deque(maxlen=_CONTRADICTING[0])  # times of images outside the gate since then
+        self._doubted, self._doubted_time = 0, 0.0  # images outside the gate since then, and the time they took [s]
+        self._doubted_from = 0.0
 
     def acquire_moving(self, moving: bool) -> None:
         """Whether the first estimate may be made while the chair moves; else as constructed."""
@@ -117,11 +118,12 @@ class DockObserver:
             self._stamps.append(stamp)
         if fusion.outcome is Outcome.GATE:
             self.last_rejected = fusion.innovation
-            self._doubted.append(stamp)
+            self._doubted_from = self._doubted_from if self._doubted else stamp
+            self._doubted, self._doubted_time = self._doubted + 1, stamp - self._doubted_from
         elif fusion.outcome.accepted:
             self.last_rejected = self.elsewhere = None
             self._since_used.clear()
-            self._doubted.clear()
+            self._doubted, self._doubted_time = 0, 0.0
         return fusion
 
     @property
@@ -134,7 +136,7 @@ class DockObserver:
         """Whether several images in a row show the dock where it cannot be: no chair should drive by what they say, nor
         by what is known without them."""
         count, duration = _CONTRADICTING
-        return len(self._doubted) == count and self._doubted[-1] - self._doubted[0] >= duration
+        return self._doubted >= count and self._doubted_time >= duration
 
     @property
     def why_unseen(self) -> str:
