@@ -18,8 +18,10 @@ def swings(t: float) -> float:
     return 0.35 * math.sin(math.pi * t / 2.0) * math.exp(-t / 6.0) + (0.05 * math.sin(5.0 * t) if t < 10.0 else 0.0)
 
 
-def respond(estimator, drive, asked, seconds=14.0, bumps=None, seed=0, weight=1.0) -> list[AxisDrive]:
-    """An axis with DELAY, LAG and this drive, asked for `asked(t)`; what is believed after each message."""
+def respond(
+    estimator, drive, asked, seconds=14.0, bumps=None, seed=0, weight=1.0, delay=DELAY, lag=LAG
+) -> list[AxisDrive]:
+    """An axis with this delay, lag and drive, asked for `asked(t)`; what is believed after each message."""
     rng, speed, beliefs = np.random.default_rng(seed), 0.0, []
     sent = [asked(CYCLE * k) for k in range(round(seconds / CYCLE))]
 
@@ -30,12 +32,12 @@ def respond(estimator, drive, asked, seconds=14.0, bumps=None, seed=0, weight=1.
         return sum(at(start + (end - start) * (i + 0.5) / PIECES) for i in range(PIECES)) / PIECES
 
     piece = MESSAGE / PIECES
-    decay = math.exp(-piece / LAG)
+    decay = math.exp(-piece / lag)
     for k in range(round(seconds / MESSAGE)):
         way = 0.0
         for i in range(PIECES):
-            target = drive.effective(at(k * MESSAGE + i * piece - DELAY))
-            way += target * piece + (speed - target) * LAG * (1.0 - decay)
+            target = drive.effective(at(k * MESSAGE + i * piece - delay))
+            way += target * piece + (speed - target) * lag * (1.0 - decay)
             speed = target + (speed - target) * decay
         measured = way / MESSAGE + 0.012 * rng.normal() + (bumps(k * MESSAGE) if bumps else 0.0)
         estimator.add(k * MESSAGE, (k + 1) * MESSAGE, mean, measured, weight=weight)
@@ -60,6 +62,13 @@ def test_a_slower_axis_with_a_deadband_is_learned_while_driving(offset: bool, se
     beliefs = respond(estimator, truth, swings, seed=seed)
     assert set(beliefs[500:]) == {truth}
     assert believed_times(estimator) == pytest.approx((0.25, 0.28))
+
+
+def test_a_chair_that_follows_slowly_is_learned() -> None:
+    """As one whose drive smooths commands by two thirds of a second, told 0.15 and 0.2 s: it swung against a wall."""
+    estimator = typical()
+    respond(estimator, AxisDrive(), swings, delay=0.3, lag=0.67)
+    assert believed_times(estimator) == pytest.approx((0.3, 0.7))
 
 
 def test_the_times_of_a_quick_axis_are_learned_within_five_seconds() -> None:

@@ -25,8 +25,8 @@ _MARGIN = 4.0  # in log likelihood, by which another hypothesis has to be ahead
 _MOST = 25.0  # so far at most can one fall behind: what was true can change
 _PRIOR, _PRIOR_OFFSET = 1.0, 1.0  # penalties of deadbands that are not the configured one, and of offsets
 _PRIOR_TIMING, _TYPICAL_ERROR = 1.0, 0.1  # penalty of times that differ from the configured ones by so much [s]
-_DELAYS = (-0.15, -0.1, -0.05, 0.0, 0.05, 0.1)  # [s] added to the configured delay
-_LAGS = (0.1, 0.4, 0.7, 1.0, 1.4, 1.8)  # times the configured lag
+_DELAYS = (-0.15, -0.1, -0.05, 0.0, 0.05, 0.1, 0.15)  # [s] added to the configured delay
+_LAGS = (0.1, 0.4, 0.7, 1.0, 1.4, 1.8, 2.6, 3.5)  # times the configured lag
 _GAP = 0.5  # [s] between two measurements after which the prediction begins anew
 _FASTEST = 10.0  # [m/s or rad/s] beyond that it is no measurement of a chair
 
