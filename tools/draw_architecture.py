@@ -78,7 +78,7 @@ HOUSES = (
     House("seater_perception", "image to dock pose", 0.0, 0.0, 8.2),
     House("seater_nmpc", "dock pose to command", 11.0, 0.0, 7.6),
     House("seater_sim", "simulated chair, camera, world", 0.0, -11.7, 8.2),
-    House("seater_eval", "campaigns, benchmarks, reports", 11.0, -11.7, 7.6),
+    House("seater_eval", "campaigns, benchmarks, reports", 11.0, -12.6, 7.6),
 )
 CAPTIONS = {
     "seater_perception": {
@@ -89,7 +89,9 @@ CAPTIONS = {
         "marker": "the print", "numerics": "small maths", "config": "what a user tunes",
     },
     "seater_nmpc": {
-        "ros": "docking node", "sequence": "goal to result", "control": "one command a cycle", "plan": "paths",
+        "ros": "docking node", "sequence": "goal to result", "sequence/phases": "what it does in each",
+        "sequence/goal": "results, time-outs",
+        "control": "one command a cycle", "plan": "paths",
         "observe": "where dock and chair are", "solve": "solvers", "ocp": "model, cost",
         "ocp/constraints": "walls, view, ...", "controller": "for other programs", "parameters": "what a user tunes",
         "programme": "NLP in stages",
@@ -215,8 +217,8 @@ def draw_way(
 def draw_surroundings(axes: Axes, perception: Place, docking: Place, sim: Place) -> None:
     """Camera, wheels, safety gate, motors, and how the way goes on between the houses; each given by its room `ros`."""
     camera, wheels = Place(perception.x, 1.2, 2.0), Place(docking.x, 1.2, 2.0)
-    gate, motors = Place(docking.x - 0.2, -9.4, 3.4), Place(9.5, -9.4, 1.7)
-    user = Place(gate.x, -10.75, 4.0)
+    gate, motors = Place(docking.x - 0.2, -10.3, 3.4), Place(9.5, -10.3, 1.7)
+    user = Place(gate.x, -11.6, 4.0)
     for place, title, caption in (
         (camera, "camera", ""), (wheels, "wheels", ""), (motors, "motors", ""),
         (gate, "seater_safety", "limits, time-outs, priority"), (user, "joystick, emergency stop", ""),

@@ -18,7 +18,7 @@ from tf2_msgs.msg import TFMessage
 
 from seater_msgs.msg import DockGoal, DockResult, ObstacleArray, UndockGoal
 from seater_nmpc.ros import conversions
-from seater_nmpc.sequence.results import ResultCode
+from seater_nmpc.sequence.goal.results import ResultCode
 
 MOST_AT_ONCE = max(1, PER_EPISODE // 10)  # hostile messages between two good ones
 RECOVERS = 4.0  # [s] of good messages until the chair drives; forgetting obstacles takes half a second of it

@@ -14,7 +14,7 @@ from std_srvs.srv import TriggerRequest, TriggerResponse
 from seater_msgs.msg import DockFeedback, DockGoal, DockResult, GateState
 from seater_msgs.srv import GateArmResponse
 from seater_nmpc.ros import resume
-from seater_nmpc.sequence.results import ResultCode
+from seater_nmpc.sequence.goal.results import ResultCode
 
 RECOVERS = 4.0  # [s]
 WHY = "the joystick was moved"

@@ -27,7 +27,7 @@ from seater_nmpc.observe.odometry import Odometry  # noqa: E402
 from seater_nmpc.parameters import ControlParameters, PlausibilityParameters, Prediction  # noqa: E402
 from seater_nmpc.plan.navigator import Navigator  # noqa: E402
 from seater_nmpc.sequence.docking_sequence import DockingSequence  # noqa: E402
-from seater_nmpc.sequence.results import Step  # noqa: E402
+from seater_nmpc.sequence.goal.results import Step  # noqa: E402
 from seater_nmpc.sequence.vehicle import Vehicle  # noqa: E402
 
 T_ODOM_DOCK = np.array([1.0, 2.0, 0.7])

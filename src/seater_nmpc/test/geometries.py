@@ -19,7 +19,7 @@ from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.parameters import NmpcParameters
 from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.sequence.docking_sequence import DockingSequence
-from seater_nmpc.sequence.results import Step
+from seater_nmpc.sequence.goal.results import Step
 
 PI = math.pi
 DETECTOR_PX = 3.0  # what the simulated detector needs around a marker; the controller keeps more

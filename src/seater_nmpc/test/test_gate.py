@@ -9,7 +9,7 @@ from seater_msgs.srv import GateArmResponse
 from seater_nmpc.ros import gate as module
 from seater_nmpc.ros.gate import Gate
 from seater_nmpc.ros.goal_checks import RefusedError
-from seater_nmpc.sequence.results import Result, ResultCode
+from seater_nmpc.sequence.goal.results import Result, ResultCode
 
 CONSENT = 7
 CODES = [

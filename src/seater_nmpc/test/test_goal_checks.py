@@ -13,7 +13,7 @@ from transforms import Transforms  # noqa: E402
 from seater_common.se2 import compose  # noqa: E402
 from seater_msgs.msg import DockGoal, UndockGoal  # noqa: E402
 from seater_nmpc.ros.goal_checks import RefusedError, check_goal  # noqa: E402
-from seater_nmpc.sequence.results import ResultCode  # noqa: E402
+from seater_nmpc.sequence.goal.results import ResultCode  # noqa: E402
 
 MAP = np.array([1.0, -0.5, 0.4])
 

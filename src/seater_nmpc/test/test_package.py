@@ -16,7 +16,7 @@ from seater_nmpc.observe.innovation import Outcome
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import NmpcParameters
-from seater_nmpc.sequence.results import Phase, ResultCode
+from seater_nmpc.sequence.goal.results import Phase, ResultCode
 from seater_nmpc.sequence.shadow import Shadow
 
 ROOT = Path(__file__).resolve().parents[3]

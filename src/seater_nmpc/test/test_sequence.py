@@ -9,7 +9,7 @@ from seater_common.geometry import Dock, Tolerance
 from seater_common.se2 import compose, inverse
 from seater_nmpc.control.command import Command, Status
 from seater_nmpc.observe.odometry import Odometry
-from seater_nmpc.sequence.results import Phase, Result, ResultCode, Step
+from seater_nmpc.sequence.goal.results import Phase, Result, ResultCode, Step
 
 CLOSE = (-0.05, 0.0, 0.0)  # the last 5 cm
 

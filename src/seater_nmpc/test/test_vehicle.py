@@ -16,7 +16,7 @@ from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import ControlParameters
 from seater_nmpc.sequence.docking_sequence import DockingSequence
-from seater_nmpc.sequence.results import ResultCode
+from seater_nmpc.sequence.goal.results import ResultCode
 from seater_nmpc.sequence.vehicle import Vehicle, turned_about
 
 REAR_CAMERA = Chair(camera=CameraMount(x=-0.20, yaw=math.pi))

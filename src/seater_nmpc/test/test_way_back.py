@@ -10,7 +10,7 @@ from conftest import World
 from seater_common.geometry import Chair, Dock
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.plan.way_back import WayBack
-from seater_nmpc.sequence.results import Phase, ResultCode, Step
+from seater_nmpc.sequence.goal.results import Phase, ResultCode, Step
 
 MARGIN = 0.02
 

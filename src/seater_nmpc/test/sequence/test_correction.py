@@ -7,7 +7,7 @@ from seater_common.se2 import compose, inverse
 from seater_nmpc.observe.measurement import Measurement
 from seater_nmpc.observe.odometry import NO_TRAVEL, Instant
 from seater_nmpc.parameters import SequenceParameters
-from seater_nmpc.sequence.correction import Verdict, judge, standing_dock
+from seater_nmpc.sequence.rest.correction import Verdict, judge, standing_dock
 
 P = SequenceParameters(
     hold_position=0.003, hold_heading=0.006, release_position=0.008, release_heading=0.014, max_moves=3

@@ -11,7 +11,7 @@ from conftest import T_ODOM_DOCK, World
 
 from seater_common.geometry import pose_matrix
 from seater_common.se2 import arc_step, compose, inverse
-from seater_nmpc.sequence.results import Phase, Result, ResultCode
+from seater_nmpc.sequence.goal.results import Phase, Result, ResultCode
 
 NOTICED = 0.5  # [s]
 

@@ -5,7 +5,7 @@ import pytest
 
 from seater_common.geometry import Chair
 from seater_nmpc.drive.axis import AxisDrive, ChairDrive
-from seater_nmpc.sequence.fine_move import FineMove
+from seater_nmpc.sequence.rest.fine_move import FineMove
 
 LIMITS, PERIOD = Chair().limits, 0.05
 LAG, STEPS = 0.2, 20

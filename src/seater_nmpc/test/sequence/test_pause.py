@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import World
 
-from seater_nmpc.sequence.results import Phase, ResultCode, Step
+from seater_nmpc.sequence.goal.results import Phase, ResultCode, Step
 
 WHY = "the joystick was moved"
 PAUSE = {"pause_time": 20.0}

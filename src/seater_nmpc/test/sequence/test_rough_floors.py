@@ -10,7 +10,7 @@ import pytest
 from conftest import T_ODOM_DOCK
 
 from seater_common.se2 import arc_step, compose, inverse
-from seater_nmpc.sequence.results import Phase
+from seater_nmpc.sequence.goal.results import Phase
 
 
 class WetSpot:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from seater_nmpc.parameters import SequenceParameters
-from seater_nmpc.sequence.standstill import Standstill
+from seater_nmpc.sequence.rest.standstill import Standstill
 
 
 def got_nowhere(way) -> float:

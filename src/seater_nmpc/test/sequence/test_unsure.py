@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from conftest import World
 
-from seater_nmpc.sequence.results import Phase, ResultCode
+from seater_nmpc.sequence.goal.results import Phase, ResultCode
 
 WHY = "nothing new on `obstacles` for 0.5 s"
 

@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 from seater_eval.campaign.drive.job import CampaignJob, docking_row
 from seater_eval.campaign.report.docking_figure import draw_docking
 from seater_eval.campaign.report.page import embedded
-from seater_nmpc.sequence.results import Phase
+from seater_nmpc.sequence.goal.results import Phase
 
 
 def replay(job: CampaignJob) -> tuple[dict[str, Any], Any | None]:

@@ -20,7 +20,7 @@ from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.sequence.docking_sequence import DockingSequence
-from seater_nmpc.sequence.results import Result
+from seater_nmpc.sequence.goal.results import Result
 from seater_sim.loop.simulator import Due, Simulator
 from seater_sim.settings import KINEMATIC, NANOSECONDS, Obstacle
 

@@ -17,7 +17,7 @@ from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import NmpcParameters
 from seater_nmpc.sequence.docking_sequence import DockingSequence
-from seater_nmpc.sequence.results import Result
+from seater_nmpc.sequence.goal.results import Result
 
 Array = NDArray[np.float64]
 Asked = tuple[float, float] | None

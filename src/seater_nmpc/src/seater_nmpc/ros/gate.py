@@ -14,7 +14,7 @@ import rospy
 from seater_msgs.msg import GateState, MotorFault
 from seater_msgs.srv import GateArm, GateArmResponse
 from seater_nmpc.ros.goal_checks import RefusedError
-from seater_nmpc.sequence.results import Result, ResultCode
+from seater_nmpc.sequence.goal.results import Result, ResultCode
 
 SETTLED = 0.2  # [s] of message time: in lock-step the state of so long ago has arrived, whoever is faster
 PATIENCE = 1.0  # [s] of wall time: longest silence of the gate, and longest wait for its answer

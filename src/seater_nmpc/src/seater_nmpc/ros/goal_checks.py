@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from seater_common.geometry import planar_pose
 from seater_common.messages import matrix_of_pose, matrix_of_transform
 from seater_nmpc.ros.goals import valid_timeout
-from seater_nmpc.sequence.results import ResultCode
+from seater_nmpc.sequence.goal.results import ResultCode
 
 
 class RefusedError(Exception):

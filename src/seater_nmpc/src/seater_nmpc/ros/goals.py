@@ -17,7 +17,7 @@ from actionlib_msgs.msg import GoalStatus
 
 from seater_msgs.msg import DockAction, UndockAction
 from seater_nmpc.ros import conversions
-from seater_nmpc.sequence.results import Result, ResultCode, Step
+from seater_nmpc.sequence.goal.results import Result, ResultCode, Step
 
 PING_PERIOD = 0.5  # [s] of wall time
 PING_PATIENCE = 1.0  # [s] for the answer of a node that stands still

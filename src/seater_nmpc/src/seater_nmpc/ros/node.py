@@ -27,7 +27,7 @@ from seater_nmpc.ros.publishers import Publishers
 from seater_nmpc.ros.resume import Call, ResumeService
 from seater_nmpc.ros.speed_zone import SpeedZone
 from seater_nmpc.ros.transforms import TransformBuffer
-from seater_nmpc.sequence.results import Phase, ResultCode, Step
+from seater_nmpc.sequence.goal.results import Phase, ResultCode, Step
 
 ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal, or the beginning of a pause
 TIME_JUMP = 1.0  # [s] odometry this much older than the last one means that time started anew

@@ -31,9 +31,9 @@ from seater_nmpc.observe.odometry import Instant, Odometry
 from seater_nmpc.parameters import PlausibilityParameters, SequenceParameters
 from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.plausibility.watch import Watch
-from seater_nmpc.sequence.deadlines import Pause
-from seater_nmpc.sequence.phases import STANDING, GoalEnd, Phases
-from seater_nmpc.sequence.results import Phase, Result, ResultCode, Step
+from seater_nmpc.sequence.goal.deadlines import Pause
+from seater_nmpc.sequence.goal.results import Phase, Result, ResultCode, Step
+from seater_nmpc.sequence.phases.phases import STANDING, GoalEnd, Phases
 
 _UNSEEN = 1.0  # [s] without a used image, from which on a text says why
 

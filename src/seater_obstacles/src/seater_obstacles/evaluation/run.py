@@ -15,7 +15,7 @@ from seater_eval.judge.plant.effects import Pictures
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.sequence.docking_sequence import DockingSequence
-from seater_nmpc.sequence.results import Result, ResultCode
+from seater_nmpc.sequence.goal.results import Result, ResultCode
 from seater_obstacles.depth import DepthImages, cloud_sight
 from seater_obstacles.evaluation.cases import draw_scene
 from seater_obstacles.evaluation.gate_log import GateLog

@@ -20,7 +20,7 @@ from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import NmpcParameters
 from seater_nmpc.sequence.docking_sequence import DockingSequence
-from seater_nmpc.sequence.results import Phase, Result
+from seater_nmpc.sequence.goal.results import Phase, Result
 from seater_nmpc.sequence.vehicle import Vehicle
 from seater_sim.chair.odometry import OdometrySample
 from seater_sim.loop.simulator import SimulatedImage, Simulator

@@ -21,7 +21,7 @@ from seater_eval.campaign.setup.campaign_file import Campaign
 from seater_eval.campaign.setup.cases import Case, case_of_seed
 from seater_eval.campaign.setup.configuration import Configuration, Files
 from seater_eval.campaign.setup.told import told_parameters
-from seater_nmpc.sequence.verification import within
+from seater_nmpc.sequence.rest.verification import within
 
 Array = NDArray[np.float64]
 

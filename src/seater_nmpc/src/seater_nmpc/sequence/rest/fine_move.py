@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from seater_common.geometry import Limits
 from seater_nmpc.drive.axis import ChairDrive
-from seater_nmpc.sequence.move_response import MoveResponse
+from seater_nmpc.sequence.rest.move_response import MoveResponse
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from seater_nmpc.observe.measurement import difference, in_frame
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import SequenceParameters
-from seater_nmpc.sequence.correction import Fresh, standing_measurement
+from seater_nmpc.sequence.rest.correction import Fresh, standing_measurement
 
 Array = NDArray[np.float64]
 

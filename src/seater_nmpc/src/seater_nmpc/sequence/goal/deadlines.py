@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from seater_nmpc.parameters import Timeouts
-from seater_nmpc.sequence.results import Phase, ResultCode
+from seater_nmpc.sequence.goal.results import Phase, ResultCode
 
 
 @dataclass(frozen=True)

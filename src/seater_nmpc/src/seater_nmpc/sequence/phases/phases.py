@@ -21,14 +21,14 @@ from seater_nmpc.plan.corridor import Corridor, straight_in
 from seater_nmpc.plan.front import Front
 from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.plan.way_back import WayBack
-from seater_nmpc.sequence.correction import Verdict as Correction
-from seater_nmpc.sequence.correction import judge, standing_dock
-from seater_nmpc.sequence.deadlines import Deadlines
-from seater_nmpc.sequence.fine_move import FineMove
-from seater_nmpc.sequence.results import Phase, ResultCode
-from seater_nmpc.sequence.search import SWEEPS, Search
-from seater_nmpc.sequence.standstill import Standstill
-from seater_nmpc.sequence.verification import Verdict, Verification, within
+from seater_nmpc.sequence.goal.deadlines import Deadlines
+from seater_nmpc.sequence.goal.results import Phase, ResultCode
+from seater_nmpc.sequence.phases.search import SWEEPS, Search
+from seater_nmpc.sequence.rest.correction import Verdict as Correction
+from seater_nmpc.sequence.rest.correction import judge, standing_dock
+from seater_nmpc.sequence.rest.fine_move import FineMove
+from seater_nmpc.sequence.rest.standstill import Standstill
+from seater_nmpc.sequence.rest.verification import Verdict, Verification, within
 
 Array = NDArray[np.float64]
 

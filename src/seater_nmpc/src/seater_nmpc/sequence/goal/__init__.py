@@ -1,0 +1,1 @@
+"""What a goal is about: its phases and results, how long it may take, how far it has come."""

@@ -1,0 +1,1 @@
+"""What the chair does in each phase of a goal."""
