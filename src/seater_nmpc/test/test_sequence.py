@@ -309,5 +309,5 @@ def test_a_chair_that_turned_the_dock_out_of_view_turns_back_to_it(make_world) -
 def test_markers_hidden_farther_out_and_not_nearer_do_not_send_it_round_for_ever(make_world, monkeypatch) -> None:
     """As prints may be that face aside: waiting and searching must not hand over to each other within a cycle."""
     world = start(make_world((-1.5, 0.0, 0.0)))
-    monkeypatch.setattr(world.sequence._phases._front, "hidden", lambda pose: bool(pose[0] < -1.6))
+    monkeypatch.setattr(world.sequence._phases._finding._front, "hidden", lambda pose: bool(pose[0] < -1.6))
     assert world.run(2.0).phase is Phase.SEARCHING

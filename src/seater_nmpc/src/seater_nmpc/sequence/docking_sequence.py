@@ -32,8 +32,9 @@ from seater_nmpc.parameters import PlausibilityParameters, SequenceParameters
 from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.plausibility.watch import Watch
 from seater_nmpc.sequence.goal.deadlines import Pause
-from seater_nmpc.sequence.goal.results import Phase, Result, ResultCode, Step
-from seater_nmpc.sequence.phases.phases import STANDING, GoalEnd, Phases
+from seater_nmpc.sequence.goal.results import GoalEnd, Phase, Result, ResultCode, Step
+from seater_nmpc.sequence.phases.context import STANDING, Context
+from seater_nmpc.sequence.phases.phases import Phases
 
 _UNSEEN = 1.0  # [s] without a used image, from which on a text says why
 
@@ -59,16 +60,17 @@ class DockingSequence:
         self._motion = MotionObserver(controller.history, observer.parameters)
         checks = plausibility or PlausibilityParameters()
         self._watch = Watch(chair, dock, observer, controller.history, checks)
-        self._phases = Phases(
-            chair,
-            dock,
-            controller,
-            observer,
-            self._motion,
-            navigator or Navigator(chair, dock, controller.parameters),
-            self._parameters,
+        self._context = Context(
+            chair=chair,
+            dock=dock,
+            controller=controller,
+            observer=observer,
+            motion=self._motion,
+            navigator=navigator or Navigator(chair, dock, controller.parameters),
+            parameters=self._parameters,
             require_contact=require_contact,
         )
+        self._goal, self._phases = self._context.goal, Phases(self._context)
         self.active = self._cancelled = False
         self._pause: Pause | None = None
         self._prior: tuple[ArrayLike | None, float] = (None, 0.0)
@@ -97,7 +99,7 @@ class DockingSequence:
         the goal ends with NOT_DOCKED. Raises: as `start_dock`.
         """
         self._check_start(now, timeout)
-        self._phases.force = force
+        self._goal.force = force
         self._begin(now, Phase.UNDOCKING, timeout or self._parameters.timeouts.undock)
 
     def cancel(self) -> None:
@@ -166,13 +168,13 @@ class DockingSequence:
         """
         if not self.active:
             raise ValueError("no goal is active")
-        self._phases.contact = contact
+        self._goal.contact = contact
         if self._pause is not None:
             return self._stand_paused(now)
-        self._phases.held_by = (self.held_by or "the safety gate holds the chair") if self.held else ""
-        self._phases.unsure = self.unsure
+        self._goal.held_by = (self.held_by or "the safety gate holds the chair") if self.held else ""
+        self._goal.unsure = self.unsure
         if self.held:
-            self._phases.stand_patiently()
+            self._context.stand_patiently()
         try:
             chair = self._check(now)
             command = STANDING if chair is None else self._phases.command(chair)
@@ -195,7 +197,7 @@ class DockingSequence:
     @property
     def _unseen(self) -> bool:
         estimate = self.observer.estimate()
-        return estimate is None or self._phases.blind(estimate)
+        return estimate is None or self._context.blind(estimate)
 
     def _stand_paused(self, now: float) -> Step:
         assert self._pause is not None  # every caller has looked
@@ -225,16 +227,16 @@ class DockingSequence:
         if self._cancelled:
             raise GoalEnd(ResultCode.CANCELED, "cancelled")
         newest = self.observer.odometry.newest
-        if not math.isfinite(now) or now < self._phases.now or newest is None:
+        if not math.isfinite(now) or now < self._goal.now or newest is None:
             raise GoalEnd(ResultCode.ODOMETRY_LOST, "no odometry, or its time went backward")
-        self._phases.now = now
+        self._goal.now = now
         if now - newest.stamp > self._parameters.odometry_timeout:
             raise GoalEnd(ResultCode.ODOMETRY_LOST, f"newest odometry is {now - newest.stamp:.2f} s old")
 
     def _check(self, now: float) -> Instant | None:
         """What ends every phase; the chair at `now`, None while the odometry is late but not lost yet."""
         self._check_inputs(now)
-        late = self._phases.deadlines.missed(now, self._phases.phase)
+        late = self._goal.deadlines.missed(now, self._goal.phase)
         if late is not None:
             code, text = late
             unseen = code is ResultCode.FAILED_TO_DETECT_DOCK
@@ -248,7 +250,7 @@ class DockingSequence:
         """The text, and why there is no way into the bay or no image is used, if that is so."""
         estimate = self.observer.estimate()
         unseen = estimate is not None and estimate.age > _UNSEEN
-        reason = self._phases.no_way or (self.observer.why_unseen if unseen else "")
+        reason = self._goal.no_way or (self.observer.why_unseen if unseen else "")
         return f"{text}: {reason}" if reason else text
 
     def _step(self, now: float, command: Command, result: Result | None = None) -> Step:
@@ -258,22 +260,22 @@ class DockingSequence:
         return self._report(now, command, result)
 
     def _report(self, now: float, command: Command, result: Result | None = None) -> Step:
-        phases, estimate = self._phases, self.observer.estimate()
-        error, distance = phases.error, -1.0
-        if error is not None and phases.phase is Phase.UNDOCKING:
+        goal, estimate = self._goal, self.observer.estimate()
+        error, distance = goal.error, -1.0
+        if error is not None and goal.phase is Phase.UNDOCKING:
             distance = max(0.0, float(error[0]) - self._dock.predock_x)
         elif error is not None:
             distance = math.hypot(error[0], error[1])
         return Step(
             command=command,
-            phase=phases.phase,
-            elapsed=phases.deadlines.elapsed(now),
+            phase=goal.phase,
+            elapsed=goal.deadlines.elapsed(now),
             result=result,
             distance=distance,
             lateral_error=0.0 if error is None else float(error[1]),
             heading_error=0.0 if error is None else float(error[2]),
             measurement_age=-1.0 if estimate is None else estimate.age,
-            retries=phases.retries,
+            retries=goal.retries,
         )
 
     @property
@@ -283,34 +285,34 @@ class DockingSequence:
 
     @property
     def _docking(self) -> bool:
-        return self._phases.phase is not Phase.UNDOCKING
+        return self._goal.phase is not Phase.UNDOCKING
 
     def _certainty(self) -> dict[str, float]:
         """Standard deviations of the final error: noise of the images, what calibration leaves, and what the way here
         says of the installation."""
-        if self._phases.covariance is None:
+        if self._goal.covariance is None:
             return {}
         p, off = self.observer.parameters, self._watch.final_error
         common = np.diag([p.calibration_position**2, p.calibration_position**2, p.calibration_heading**2])
-        P = self._phases.covariance + common + np.outer(off, off)
+        P = self._goal.covariance + common + np.outer(off, off)
         return {
             "position_sd": math.sqrt(float(np.linalg.eigvalsh(P[:2, :2])[-1])),
             "heading_sd": math.sqrt(float(P[2, 2])),
         }
 
     def _finish(self, now: float, code: ResultCode, text: str) -> Step:
-        phases = self._phases
-        now = now if math.isfinite(now) else phases.now
+        goal = self._goal
+        now = now if math.isfinite(now) else goal.now
         self.active, self._pause = False, None
         self.observer.bound_reacquisition(False)
         self._controller.reset()
-        x, y, heading = (float(value) for value in (np.zeros(3) if phases.error is None else phases.error))
+        x, y, heading = (float(value) for value in (np.zeros(3) if goal.error is None else goal.error))
         result = Result(
             code=code,
             text=text,
-            retries=phases.retries,
-            duration=max(0.0, phases.deadlines.elapsed(now)),
-            contact=bool(phases.contact),
+            retries=goal.retries,
+            duration=max(0.0, goal.deadlines.elapsed(now)),
+            contact=bool(goal.contact),
             longitudinal_error=x,
             lateral_error=y,
             heading_error=heading,

@@ -58,6 +58,13 @@ class ResultCode(IntEnum):
 SUCCESSFUL = (ResultCode.SUCCESS, ResultCode.ALREADY_DOCKED)
 
 
+class GoalEnd(Exception):  # noqa: N818 - not an error: how a phase hands its result up
+    """The goal ends with this result."""
+
+    def __init__(self, code: ResultCode, text: str) -> None:
+        self.code, self.text = code, text
+
+
 @dataclass(frozen=True, kw_only=True)
 class Result:
     """The end of a goal. Errors: base_link in the dock's frame, as estimated; zero when the dock is unknown."""

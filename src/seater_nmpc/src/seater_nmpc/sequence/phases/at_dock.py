@@ -1,0 +1,105 @@
+"""STOPPING, CORRECTING and VERIFY: coming to rest at the dock, the small move if one is needed, the verification."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_common.se2 import inverse
+from seater_nmpc.control.command import Command
+from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
+from seater_nmpc.sequence.phases.context import STANDING, Asked, Context
+from seater_nmpc.sequence.rest.correction import Verdict as Correction
+from seater_nmpc.sequence.rest.correction import judge, standing_dock
+from seater_nmpc.sequence.rest.fine_move import FineMove
+from seater_nmpc.sequence.rest.verification import Verdict, Verification, within
+
+Array = NDArray[np.float64]
+
+_UNSEEN_IMAGES = 6  # times between two images
+_UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
+_VERDICTS = {
+    Verdict.DOCKED: ResultCode.SUCCESS,
+    Verdict.UNSEEN: ResultCode.MARKER_LOST,
+    Verdict.NO_CONTACT: ResultCode.FAILED_TO_CHARGE,
+}
+
+
+class AtDock:
+    """Errors (3,): the standing chair in the dock's frame."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self.restart(context.goal.phase)
+
+    def restart(self, phase: Phase) -> None:
+        """This phase begins; moves are counted, and learned from, until the chair leaves the dock."""
+        self._verification: Verification | None = None
+        if phase not in (Phase.STOPPING, Phase.CORRECTING):
+            self._moves = 0
+            self._fine_move: FineMove | None = None
+
+    def stop(self, chair: Instant) -> Asked:
+        """STOPPING: stand until enough images were taken at rest, then decide what is to be done."""
+        c, p = self._context, self._context.parameters
+        c.look(chair)
+        if not c.standstill.has_stood(chair.stamp, c.measured(chair)):
+            return STANDING
+        fresh = c.observer.measurements_since(c.standstill.since)
+        if len(fresh) < p.move_measurements:
+            late = chair.stamp - c.standstill.since > max(_UNSEEN, _UNSEEN_IMAGES * c.observer.image_period)
+            return Phase.VERIFY if late else STANDING
+        c.goal.error = inverse(standing_dock(fresh))
+        return self._decide(c.goal.error)
+
+    def correct(self, chair: Instant) -> Asked:
+        """CORRECTING: the small move, to its end."""
+        c = self._context
+        c.look(chair)
+        assert self._fine_move is not None  # set with the phase
+        asked = self._fine_move.speeds()
+        return Phase.STOPPING if asked is None else c.controller.move(chair.stamp, c.speeds(chair), *asked)
+
+    def verify(self, chair: Instant) -> Asked:
+        """VERIFY: stand until the images, and the contact if it is required, give the result. Raises GoalEnd."""
+        c = self._context
+        c.look(chair)
+        if self._verification is None:
+            self._verification = Verification(c.dock, c.parameters, c.require_contact, chair.stamp)
+        v, verdict = self._verification.update(chair.stamp, chair, c.observer, c.goal.contact)
+        creeps = not c.standstill.stands(chair.stamp, c.measured(chair)) and not self._verification.nudged
+        if creeps or verdict is Verdict.MOVED:
+            return Phase.STOPPING  # what the images said so far is of another place
+        if self._verification.error is not None:
+            c.goal.error, c.goal.covariance = self._verification.error, self._verification.covariance
+        if verdict is Verdict.PENDING:
+            return Command(v=v, omega=0.0)
+        if verdict is Verdict.OUTSIDE:
+            return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, verdict.value)
+        why = f": {c.observer.why_unseen}" if verdict is Verdict.UNSEEN else ""
+        raise GoalEnd(_VERDICTS[verdict], verdict.value + why)
+
+    def _decide(self, error: Array) -> Phase:
+        c, verdict = self._context, self._choose(error)
+        last = c.goal.retries >= c.parameters.max_retries
+        if verdict is Correction.STAY or (verdict is Correction.AGAIN and last and within(error, c.dock.tolerance)):
+            return Phase.VERIFY
+        if verdict is Correction.AGAIN:
+            return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock")
+        self._moves += 1
+        return Phase.CORRECTING
+
+    def _choose(self, error: Array) -> Correction:
+        """What is to be done; `_fine_move` is the move, if one is."""
+        c, before, use = self._context, self._fine_move, {"turn": True, "move": True}
+        while True:
+            verdict = judge(error, self._moves, c.parameters, **use)
+            if verdict not in (Correction.TURN, Correction.MOVE):
+                return verdict
+            turning, drive = verdict is Correction.TURN, c.controller.history.drive
+            move = FineMove(error, turning, drive, c.chair.limits, c.controller.period, before)
+            if move.is_worthwhile:
+                self._fine_move = move
+                return verdict
+            use["turn" if turning else "move"] = False

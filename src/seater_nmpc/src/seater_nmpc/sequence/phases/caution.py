@@ -1,0 +1,84 @@
+"""What comes before every phase that drives: stand while too little is known, and drive no faster than images allow."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from seater_nmpc.control.command import Command
+from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
+from seater_nmpc.sequence.phases.context import IMAGES_THAT_MAY_FAIL, STANDING, Asked, Context
+from seater_nmpc.sequence.phases.finding import Finding
+
+_BY_SIGHT = (Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.CORRECTING)
+_DRIVING = (*_BY_SIGHT, Phase.UNDOCKING, Phase.SEARCHING)
+
+
+class Caution:
+    """Ask it in each cycle before the phase."""
+
+    def __init__(self, context: Context, finding: Finding) -> None:
+        self._context, self._finding = context, finding
+        self.begin()
+
+    def begin(self) -> None:
+        """A goal begins, or goes on after a pause."""
+        self._blind_since: float | None = None
+        self._unsure_since: float | None = None
+
+    def wait(self, chair: Instant) -> Asked | None:
+        """Stand while it is not known what is in the way, or the dock is out of sight; None: go on. Raises GoalEnd."""
+        unsure = self._wait_to_be_sure(chair)
+        if unsure is not None or self._context.goal.phase not in _BY_SIGHT:
+            return unsure
+        return self._wait_for_sight(chair)
+
+    def limit_speed(self, backs_out: bool) -> None:
+        """So that a few images may fail before the chair has driven `max_blind_distance`; and backing out is slow.
+
+        Undocking goes by odometry alone.
+        """
+        phase, period = self._context.goal.phase, self._context.observer.image_period
+        if phase not in _BY_SIGHT and not backs_out:
+            return
+        p = self._context.parameters
+        v, why = math.inf, f"images come only every {period:.2f} s"
+        if phase is not Phase.UNDOCKING:
+            v = p.max_blind_distance / max(IMAGES_THAT_MAY_FAIL * period, 1e-3)
+        if backs_out and p.back_out_speed <= v:
+            v, why = p.back_out_speed, ""  # as it should be: nothing to warn of
+        self._context.controller.set_speed_limit(v=v, why=why)
+
+    def _wait_to_be_sure(self, chair: Instant) -> Command | None:
+        """Stand while it is not known what is in the way; not for ever."""
+        c, unsure = self._context, self._context.goal.unsure
+        if not unsure or c.goal.phase not in _DRIVING:
+            self._unsure_since = None
+            return None
+        if self._unsure_since is None:
+            self._unsure_since = chair.stamp
+        longest = c.parameters.obstacle_wait
+        if chair.stamp - self._unsure_since > longest:
+            raise GoalEnd(ResultCode.BLOCKED, f"waited for {longest:.0f} s to know what is in the way: {unsure}")
+        c.controller.reset()
+        c.stand_patiently()
+        return replace(STANDING, text=f"waits to know what is in the way: {unsure}")
+
+    def _wait_for_sight(self, chair: Instant) -> Asked | None:
+        """Stand while the dock has not been seen for too long; not for ever."""
+        c, p = self._context, self._context.parameters
+        estimate = c.estimate(chair)
+        if not c.blind(estimate):
+            self._blind_since = None
+            return None
+        if self._blind_since is None:
+            self._blind_since = chair.stamp
+            c.controller.reset()
+        waited = chair.stamp - self._blind_since
+        if self._finding.turned_away(chair, estimate) and waited > p.search_after:
+            return self._finding.turn_back(estimate.pose)
+        if waited > p.max_blind_wait:
+            how = f"no marker used for {estimate.blind_distance:.2f} m and {estimate.age:.1f} s"
+            raise GoalEnd(ResultCode.MARKER_LOST, f"{how}: {c.observer.why_unseen}")
+        return replace(STANDING, text=f"waits to see the dock: {c.observer.why_unseen}")

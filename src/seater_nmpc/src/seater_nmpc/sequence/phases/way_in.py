@@ -1,0 +1,110 @@
+"""APPROACH and FINAL: along the planned way to the front of the bay, then straight in."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_common.se2 import compose
+from seater_nmpc.control.command import Command
+from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.plan.corridor import Corridor, straight_in
+from seater_nmpc.sequence.goal.results import Phase, ResultCode
+from seater_nmpc.sequence.phases.context import STANDING, Asked, Context
+
+Array = NDArray[np.float64]
+
+_NEAR = 0.03  # [m] from the dock, where a chair that does not drive on is helped by a small move
+_BACK_OFF, _BACK_OFF_TIME = 0.6, 8.0  # [m, s] that the chair backs off where it got stuck
+_STOPPING_MARGIN = 0.001  # [m] short of the dock at which it may come to rest
+
+
+class WayIn:
+    """Errors (3,): the chair in the dock's frame."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._corridor = Corridor(context.chair, context.dock, context.parameters)
+        self.restart()
+
+    def restart(self) -> None:
+        """A phase begins: plan and count standing anew."""
+        self._back_off: Array | None = None  # where the chair backs off to (3,)
+        self._back_off_until = 0.0
+        self._context.stand_patiently()
+        self._context.navigator.restart()
+
+    @property
+    def backs_off(self) -> bool:
+        """Whether the chair backs away from where it got stuck."""
+        return self._back_off is not None
+
+    def first_phase(self, error: Array) -> Phase:
+        """FINAL where the rest is a matter of driving straight in, else APPROACH."""
+        return Phase.FINAL if self._is_straight(error) else Phase.APPROACH
+
+    def approach(self, chair: Instant) -> Asked:
+        """APPROACH: until the chair is, or would come to rest, in the corridor, or has arrived at the predock point."""
+        c = self._context
+        error = c.look(chair)
+        if self._is_straight(error) or self._is_straight(c.rest_error(chair)):
+            return Phase.FINAL
+        if c.is_at(c.dock.predock_x, error, chair) and c.navigator.straight_way_clear(error):
+            return Phase.FINAL
+        backing = self._away_from_where_it_is_stuck(chair, error)
+        return self._along_the_way(chair, error) if backing is None else backing
+
+    def final(self, chair: Instant) -> Asked:
+        """FINAL: straight in, until the chair would come to rest at the dock."""
+        c = self._context
+        error = c.look(chair)
+        rest, speeds = c.rest_error(chair), c.speeds(chair)
+        if self._corridor.missed(error) and self._corridor.missed(rest):
+            return c.try_again(ResultCode.FAILED_TO_STAGE, "outside the corridor at the bay")
+        if rest[0] >= -self._stopping_margin(speeds) or c.standstill.in_place(chair.stamp, rest):
+            return Phase.STOPPING
+        near = bool(abs(error[0]) <= _NEAR)
+        if c.standstill.stalled(chair.stamp, c.measured(chair), near=near):
+            return Phase.STOPPING if near else c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands short of the dock")
+        return c.drive(chair, straight_in(error))
+
+    def _is_straight(self, error: Array) -> bool:
+        """Whether the rest is a matter of driving straight in."""
+        c = self._context
+        c.navigator.see(c.controller.obstacles)
+        return self._corridor.contains(error) and c.navigator.straight_way_clear(error)
+
+    def _away_from_where_it_is_stuck(self, chair: Instant, error: Array) -> Command | None:
+        """Where the optimisation sees no way on from (a corner of a wall close ahead), the chair backs off and plans
+        anew; None: it is not stuck, or has backed off."""
+        c = self._context
+        stalled = c.standstill.stalled(chair.stamp, c.measured(chair))
+        if self._back_off is None and (c.standstill.stuck(chair.stamp, error) or stalled):
+            self._back_off = compose(error, [-_BACK_OFF, 0.0, 0.0])
+            self._back_off_until = chair.stamp + _BACK_OFF_TIME
+        if self._back_off is None:
+            return None
+        far = math.dist(error[:2], self._back_off[:2]) > c.parameters.predock_position
+        if far and chair.stamp < self._back_off_until:
+            return c.drive(chair, self._back_off)
+        self.restart()
+        return None
+
+    def _along_the_way(self, chair: Instant, error: Array) -> Command:
+        """As planned; where no way is found, straight for the predock point unless the bay is blocked."""
+        c = self._context
+        target, c.goal.no_way = c.navigator.target(error), ""
+        if target is not None:
+            return c.drive(chair, target)
+        if c.navigator.blocked():
+            c.controller.reset()
+            c.goal.no_way = c.navigator.reason or "obstacles leave no way into the bay"
+            return replace(STANDING, text=c.goal.no_way)
+        return c.drive(chair, "predock")
+
+    def _stopping_margin(self, speeds: tuple[float, float]) -> float:
+        """Half of what is driven until the next cycle: stopping then would be worse."""
+        return _STOPPING_MARGIN + 0.5 * abs(speeds[0]) * self._context.controller.period
