@@ -17,7 +17,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from seater_common.geometry import Chair, Dock
@@ -27,16 +26,16 @@ from seater_nmpc.observe.innovation import Fusion
 from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.motion import MotionObserver
 from seater_nmpc.observe.observer import DockObserver
-from seater_nmpc.observe.odometry import Instant, Odometry
+from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import PlausibilityParameters, SequenceParameters
 from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.plausibility.watch import Watch
+from seater_nmpc.sequence.ends import Ends
 from seater_nmpc.sequence.goal.deadlines import Pause
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase, Result, ResultCode, Step
 from seater_nmpc.sequence.phases.context import STANDING, Context
 from seater_nmpc.sequence.phases.phases import Phases
-
-_UNSEEN = 1.0  # [s] without a used image, from which on a text says why
+from seater_nmpc.sequence.report import make_result, make_step, standard_deviations
 
 
 class DockingSequence:
@@ -71,7 +70,8 @@ class DockingSequence:
             require_contact=require_contact,
         )
         self._goal, self._phases = self._context.goal, Phases(self._context)
-        self.active = self._cancelled = False
+        self._ends = Ends(self._context, self._watch)
+        self.active = False
         self._pause: Pause | None = None
         self._prior: tuple[ArrayLike | None, float] = (None, 0.0)
         self.held = False  # the safety gate lets nothing pass, as something is in the way: standing is no failure then
@@ -104,7 +104,7 @@ class DockingSequence:
 
     def cancel(self) -> None:
         """End the active goal with CANCELED in the next update."""
-        self._cancelled = True
+        self._ends.cancelled = True
 
     @property
     def can_pause(self) -> bool:
@@ -176,7 +176,7 @@ class DockingSequence:
         if self.held:
             self._context.stand_patiently()
         try:
-            chair = self._check(now)
+            chair = self._ends.check(now)
             command = STANDING if chair is None else self._phases.command(chair)
         except GoalEnd as end:
             doubt = self._watch.final() if end.code is ResultCode.SUCCESS and self._docking else None
@@ -203,7 +203,7 @@ class DockingSequence:
         assert self._pause is not None  # every caller has looked
         pause, left = self._pause, self._pause.left(now)
         try:
-            self._check_inputs(now)
+            self._ends.check_inputs(now)
         except GoalEnd as end:
             return self._finish(now, end.code, end.text)
         if left < 0.0:
@@ -218,40 +218,9 @@ class DockingSequence:
             raise ValueError(f"timeout: is {timeout!r}, must be finite and >= 0")
 
     def _begin(self, now: float, phase: Phase, timeout: float) -> None:
-        self.active, self._cancelled, self._pause = True, False, None
+        self.active, self._ends.cancelled, self._pause = True, False, None
         self._phases.begin(now, phase, timeout)
         self._watch.begin(now)
-
-    def _check_inputs(self, now: float) -> None:
-        """What ends every goal, paused or not. Raises GoalEnd."""
-        if self._cancelled:
-            raise GoalEnd(ResultCode.CANCELED, "cancelled")
-        newest = self.observer.odometry.newest
-        if not math.isfinite(now) or now < self._goal.now or newest is None:
-            raise GoalEnd(ResultCode.ODOMETRY_LOST, "no odometry, or its time went backward")
-        self._goal.now = now
-        if now - newest.stamp > self._parameters.odometry_timeout:
-            raise GoalEnd(ResultCode.ODOMETRY_LOST, f"newest odometry is {now - newest.stamp:.2f} s old")
-
-    def _check(self, now: float) -> Instant | None:
-        """What ends every phase; the chair at `now`, None while the odometry is late but not lost yet."""
-        self._check_inputs(now)
-        late = self._goal.deadlines.missed(now, self._goal.phase)
-        if late is not None:
-            code, text = late
-            unseen = code is ResultCode.FAILED_TO_DETECT_DOCK
-            raise GoalEnd(code, f"{text}: {self.observer.why_unseen}" if unseen else self._with_reason(text))
-        found = self._watch.check(now)
-        if found is not None:
-            raise GoalEnd(ResultCode[found.kind.name], found.text)
-        return self.observer.odometry.at(now)
-
-    def _with_reason(self, text: str) -> str:
-        """The text, and why there is no way into the bay or no image is used, if that is so."""
-        estimate = self.observer.estimate()
-        unseen = estimate is not None and estimate.age > _UNSEEN
-        reason = self._goal.no_way or (self.observer.why_unseen if unseen else "")
-        return f"{text}: {reason}" if reason else text
 
     def _step(self, now: float, command: Command, result: Result | None = None) -> Step:
         sent = STANDING if self.held else command
@@ -260,23 +229,7 @@ class DockingSequence:
         return self._report(now, command, result)
 
     def _report(self, now: float, command: Command, result: Result | None = None) -> Step:
-        goal, estimate = self._goal, self.observer.estimate()
-        error, distance = goal.error, -1.0
-        if error is not None and goal.phase is Phase.UNDOCKING:
-            distance = max(0.0, float(error[0]) - self._dock.predock_x)
-        elif error is not None:
-            distance = math.hypot(error[0], error[1])
-        return Step(
-            command=command,
-            phase=goal.phase,
-            elapsed=goal.deadlines.elapsed(now),
-            result=result,
-            distance=distance,
-            lateral_error=0.0 if error is None else float(error[1]),
-            heading_error=0.0 if error is None else float(error[2]),
-            measurement_age=-1.0 if estimate is None else estimate.age,
-            retries=goal.retries,
-        )
+        return make_step(self._goal, now, self._dock, self.observer.estimate(), command, result)
 
     @property
     def installation(self) -> dict[str, tuple[float, float]]:
@@ -287,37 +240,14 @@ class DockingSequence:
     def _docking(self) -> bool:
         return self._goal.phase is not Phase.UNDOCKING
 
-    def _certainty(self) -> dict[str, float]:
-        """Standard deviations of the final error: noise of the images, what calibration leaves, and what the way here
-        says of the installation."""
-        if self._goal.covariance is None:
-            return {}
-        p, off = self.observer.parameters, self._watch.final_error
-        common = np.diag([p.calibration_position**2, p.calibration_position**2, p.calibration_heading**2])
-        P = self._goal.covariance + common + np.outer(off, off)
-        return {
-            "position_sd": math.sqrt(float(np.linalg.eigvalsh(P[:2, :2])[-1])),
-            "heading_sd": math.sqrt(float(P[2, 2])),
-        }
-
     def _finish(self, now: float, code: ResultCode, text: str) -> Step:
-        goal = self._goal
-        now = now if math.isfinite(now) else goal.now
+        now = now if math.isfinite(now) else self._goal.now
         self.active, self._pause = False, None
         self.observer.bound_reacquisition(False)
         self._controller.reset()
-        x, y, heading = (float(value) for value in (np.zeros(3) if goal.error is None else goal.error))
-        result = Result(
-            code=code,
-            text=text,
-            retries=goal.retries,
-            duration=max(0.0, goal.deadlines.elapsed(now)),
-            contact=bool(goal.contact),
-            longitudinal_error=x,
-            lateral_error=y,
-            heading_error=heading,
-            **self._certainty(),
-        )
-        step = self._step(now, STANDING, result)
+        covariance, sd = self._goal.covariance, (0.0, 0.0)
+        if covariance is not None:
+            sd = standard_deviations(covariance, self.observer.parameters, self._watch.final_error)
+        step = self._step(now, STANDING, make_result(self._goal, now, code, text, sd))
         self._controller.history.clear()  # whoever drives from here on does not say
         return step

@@ -23,7 +23,7 @@ _LANE = (0.3, 0.5)  # [m, rad] beside the dock's axis and ahead of the predock p
 
 
 class WayOut:
-    """Something in the way is waited for, not for ever."""
+    """No sensor looks there as a rule: slowly, and by what was seen there last."""
 
     def __init__(self, context: Context, way_in: WayIn) -> None:
         self._context, self._way_in = context, way_in
