@@ -98,3 +98,22 @@ def test_a_chair_that_is_pushed_while_it_is_verified_is_measured_anew(make_world
     step = world.run(60.0, until=push)
     assert world.pushed.any() and step.result is not None
     assert not step.result.success or math.hypot(*world.truth[:2]) <= 0.01
+
+
+def test_a_chair_that_castors_push_away_again_and_again_is_stopped(make_world) -> None:
+    """It went to and fro for a minute, a centimetre before the dock, until FINAL timed out; small moves do better."""
+    world = make_world((-0.8, 0.0, 0.0))
+    near: list[float] = []
+
+    def pushed(w, v, omega):
+        if w.phases[-1:] != ["FINAL"] or w.truth[0] < -0.015:
+            return v, omega
+        near.append(w.now)
+        return 0.02 * math.sin(6.0 * w.now), 0.12 * math.cos(3.0 * w.now)
+
+    world.moves = pushed
+    world.tick()
+    world.sequence.start_dock(world.now)
+    step = world.run(30.0, until=lambda step: step.phase is Phase.STOPPING)
+    assert step.phase is Phase.STOPPING and 3.0 < world.now - near[0] < 6.0
+    assert world.run(30.0).result.success

@@ -66,7 +66,9 @@ class WayIn:
             return c.try_again(ResultCode.FAILED_TO_STAGE, "outside the corridor at the bay")
         if rest[0] >= -self._stopping_margin(speeds) or c.standstill.in_place(chair.stamp, rest):
             return Phase.STOPPING
-        near = bool(abs(error[0]) <= _NEAR)
+        near, hovers = bool(abs(error[0]) <= _NEAR), c.standstill.stuck(chair.stamp, error)
+        if near and hovers:  # to and fro: castors that swing round push it away again each time
+            return Phase.STOPPING
         if c.standstill.stalled(chair.stamp, c.measured(chair), near=near):
             return Phase.STOPPING if near else c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands short of the dock")
         return c.drive(chair, straight_in(error))
