@@ -13,6 +13,7 @@ from seater_common.geometry import (
     planar_pose,
     polygon_distance,
     pose_matrix,
+    quaternion_of,
     rotation_matrix,
     rotation_rpy,
 )
@@ -68,6 +69,13 @@ def test_rotation_matrix_of_a_quaternion_about_each_axis() -> None:
         quaternion = [0.0, 0.0, 0.0, math.cos(half)]
         quaternion[axis] = math.sin(half)
         np.testing.assert_allclose(rotation_matrix(*quaternion), rotation_rpy(*rpy), atol=1e-15)
+
+
+def test_the_quaternion_of_a_rotation_gives_it_back() -> None:
+    for rpy in ((0.0, 0.0, 0.0), (0.3, -0.2, 2.5), (-0.5 * math.pi, 0.0, -0.5 * math.pi), (math.pi, 0.0, 0.4)):
+        quaternion = quaternion_of(rotation_rpy(*rpy))
+        assert quaternion[3] >= 0.0 and np.linalg.norm(quaternion) == pytest.approx(1.0)
+        np.testing.assert_allclose(rotation_matrix(*quaternion), rotation_rpy(*rpy), atol=1e-14)
 
 
 def test_docking_error_is_zero_in_the_docked_pose_of_either_direction() -> None:

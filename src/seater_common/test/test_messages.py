@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from seater_common.messages import matrix_of_pose, matrix_of_transform
+from seater_common.messages import matrix_of_pose, matrix_of_transform, names_of
 
 
 def pose(quaternion: tuple[float, float, float, float]) -> SimpleNamespace:
@@ -28,3 +28,14 @@ def test_place_and_rotation_of_a_pose_and_of_a_transform() -> None:
 @pytest.mark.parametrize("quaternion", [(0.0,) * 4, (0.0, 0.0, 0.0, 2.0), (math.nan, 0.0, 0.0, 1.0)])
 def test_what_is_no_rotation_is_nan(quaternion) -> None:
     assert np.isnan(matrix_of_pose(pose(quaternion))).all()
+
+
+def test_names_are_those_of_the_constants_alone() -> None:
+    """The doctor's own list of the gate's states knew nothing of the newest one."""
+
+    class Message:
+        STOPPED, CHARGING = 0, 10
+        TEXT = "no number"
+        state = 3
+
+    assert names_of(Message) == {0: "STOPPED", 10: "CHARGING"}

@@ -207,6 +207,23 @@ def rotation_matrix(x: float, y: float, z: float, w: float) -> Array:
     )
 
 
+def quaternion_of(R: ArrayLike) -> tuple[float, float, float, float]:
+    """(x, y, z, w >= 0) of a 3x3 rotation: the eigenvector of the largest eigenvalue of Bar-Itzhack's matrix
+    (J. Guidance 23(6), 2000)."""
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = np.asarray(R, dtype=float)
+    K = np.array(
+        [
+            [xx - yy - zz, yx + xy, zx + xz, zy - yz],
+            [yx + xy, yy - xx - zz, zy + yz, xz - zx],
+            [zx + xz, zy + yz, zz - xx - yy, yx - xy],
+            [zy - yz, xz - zx, yx - xy, xx + yy + zz],
+        ]
+    )
+    vector = np.linalg.eigh(K)[1][:, -1]
+    x, y, z, w = (math.copysign(1.0, vector[3]) * vector).tolist()
+    return x, y, z, w
+
+
 def pose_matrix(pose: ArrayLike) -> Array:
     """4x4 transform of a planar pose (x, y, heading)."""
     x, y, heading = np.asarray(pose, dtype=float)

@@ -1,4 +1,4 @@
-"""Transforms out of ROS messages, by their fields alone: no ROS is needed."""
+"""Transforms and names out of ROS messages, by their fields alone: no ROS is needed."""
 
 from __future__ import annotations
 
@@ -21,6 +21,12 @@ def matrix_of_pose(pose: Any) -> Array:
 def matrix_of_transform(transform: Any) -> Array:
     """The same of a geometry_msgs/Transform."""
     return _matrix(transform.translation, transform.rotation)
+
+
+def names_of(message: Any) -> dict[int, str]:
+    """Number -> name of the constants of a generated message class."""
+    found = {name: getattr(message, name) for name in dir(message) if name.isupper()}
+    return {value: name for name, value in found.items() if isinstance(value, int)}
 
 
 def _matrix(place: Any, quaternion: Any) -> Array:

@@ -22,6 +22,7 @@ from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Bool, UInt32
 
+from seater_common.messages import names_of
 from seater_eval.docking.recording import heading_of
 from seater_eval.faults.cases import CASES, PLACES, Case
 from seater_eval.ros.dock_client import DockClient, DockClientError, wait_until
@@ -177,9 +178,7 @@ def _outcome(client: DockClient, ended: bool) -> dict[str, Any]:
     return {"result": NAMES.get(result.result_code, str(result.result_code)), "text": result.result_text}
 
 
-NAMES = {
-    value: name for name, value in vars(DockResult).items() if name.isupper() and isinstance(value, int)
-}  # of the result codes
+NAMES = names_of(DockResult)  # of the result codes
 
 
 def _end_in_order(number: int, frame: FrameType | None) -> None:

@@ -30,6 +30,7 @@ from seater_identify.report.table import describe
 from seater_identify.result.identify import identify
 from seater_identify.settings import IdentifySettings
 from seater_msgs.msg import GateState
+from seater_nmpc.ros.conversions import velocity_request
 from seater_nmpc.ros.gate import Gate, Loss
 from seater_nmpc.ros.goal_checks import RefusedError
 
@@ -129,10 +130,7 @@ class IdentifyNode:
             threading.Thread(target=self._conclude, daemon=True).start()
 
     def _publish(self, v: float, omega: float) -> None:
-        message = TwistStamped()
-        message.header.stamp, message.header.frame_id = rospy.Time.now(), "base_link"
-        message.twist.linear.x, message.twist.angular.z = v, omega
-        self._out.publish(message)
+        self._out.publish(velocity_request(rospy.Time.now(), "base_link", v, omega))
 
     def _conclude(self) -> None:
         """Estimate, also from a drive that was stopped; then the node ends."""

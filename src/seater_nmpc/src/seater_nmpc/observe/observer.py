@@ -84,8 +84,7 @@ class DockObserver:
         self.elsewhere: tuple[float, float] | None = None  # [m, rad] so far off images agree on another place
         self._stamps: deque[float] = deque(maxlen=_RATE_IMAGES)
         self._since_used: Counter[Outcome] = Counter()  # what became of the images since the last used one
-        self._doubted, self._doubted_time = 0, 0.0  # images outside the gate since then, and the time they took [s]
-        self._doubted_from = 0.0
+        self._doubted = (0.0, 0.0)  # times of the first and the last image outside the gate since then [s]
 
     def acquire_moving(self, moving: bool) -> None:
         """Whether the first estimate may be made while the chair moves; else as constructed."""
@@ -118,12 +117,10 @@ class DockObserver:
             self._stamps.append(stamp)
         if fusion.outcome is Outcome.GATE:
             self.last_rejected = fusion.innovation
-            self._doubted_from = self._doubted_from if self._doubted else stamp
-            self._doubted, self._doubted_time = self._doubted + 1, stamp - self._doubted_from
+            self._doubted = (stamp if self._since_used[Outcome.GATE] == 1 else self._doubted[0], stamp)
         elif fusion.outcome.accepted:
             self.last_rejected = self.elsewhere = None
             self._since_used.clear()
-            self._doubted, self._doubted_time = 0, 0.0
         return fusion
 
     @property
@@ -136,7 +133,7 @@ class DockObserver:
         """Whether several images in a row show the dock where it cannot be: no chair should drive by what they say, nor
         by what is known without them."""
         count, duration = _CONTRADICTING
-        return self._doubted >= count and self._doubted_time >= duration
+        return self._since_used[Outcome.GATE] >= count and self._doubted[1] - self._doubted[0] >= duration
 
     @property
     def why_unseen(self) -> str:

@@ -156,14 +156,13 @@ class OdometryBuffer:
             return None
         newest = self._samples[-1]
         last = self._since(newest.stamp - duration)
-        rows = _places(last, newest)
-        speeds = (rows[-1] - rows[0]) / (newest.stamp - last[0].stamp)
-        noise = _noise(rows)
-        longest = _LONGER * duration
-        if len(rows) >= _FEWEST and math.sqrt(2.0) * noise > sd * (newest.stamp - last[0].stamp):
-            last = self._since(newest.stamp - longest)
+        elapsed = newest.stamp - last[0].stamp
+        if math.isfinite(sd) and math.sqrt(2.0) * _noise(_places(last, newest)) > sd * elapsed:
+            last = self._since(newest.stamp - _LONGER * duration)
             times = np.array([sample.stamp - newest.stamp for sample in last])
             speeds = np.polyfit(times, _places(last, newest), 1)[0]
+        else:
+            speeds = -_places(last[:1], newest)[0] / elapsed
         return float(speeds[0]), float(speeds[1])
 
     def _since(self, stamp: float) -> list[Instant]:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from seater_common.geometry import Chair, Dock, planar_pose, pose_matrix
+from seater_common.geometry import Chair, Dock, planar_pose, pose_matrix, quaternion_of
 from seater_common.messages import matrix_of_pose
 from seater_common.se2 import transform_points
 
@@ -128,7 +128,7 @@ def _outline(header: Header, name: str, corners: Array, colour: Sequence[float])
 def _shape(header: Header, name: str, kind: int, T: Array, scale: Iterable[float], colour: Sequence[float]) -> Marker:
     marker = Marker(header=header, ns=name, type=kind, action=Marker.ADD, color=ColorRGBA(*colour))
     marker.pose.position = Point(*map(float, T[:3, 3]))
-    marker.pose.orientation = _quaternion(T[:3, :3])
+    marker.pose.orientation = Quaternion(*quaternion_of(T[:3, :3]))
     marker.scale.x, marker.scale.y, marker.scale.z = map(float, scale)
     return marker
 
@@ -138,18 +138,3 @@ def _numbered(markers: list[Marker], *, locked: bool = False, lifetime: rospy.Du
         marker.id, marker.frame_locked = number, locked
         marker.lifetime = lifetime or rospy.Duration(0)
     return MarkerArray(markers)
-
-
-def _quaternion(R: Array) -> Quaternion:
-    """Of a rotation: the eigenvector of the largest eigenvalue of Bar-Itzhack's matrix (J. Guidance 23(6), 2000)."""
-    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = R
-    K = np.array(
-        [
-            [xx - yy - zz, yx + xy, zx + xz, zy - yz],
-            [yx + xy, yy - xx - zz, zy + yz, xz - zx],
-            [zx + xz, zy + yz, zz - xx - yy, yx - xy],
-            [zy - yz, xz - zx, yx - xy, xx + yy + zz],
-        ]
-    )
-    x, y, z, w = np.linalg.eigh(K)[1][:, -1]
-    return Quaternion(float(x), float(y), float(z), float(w))

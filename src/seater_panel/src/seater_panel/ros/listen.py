@@ -16,7 +16,7 @@ from nav_msgs.msg import Odometry, Path
 from numpy.typing import NDArray
 
 from seater_common.geometry import CameraMount, planar_pose
-from seater_common.messages import matrix_of_pose, matrix_of_transform
+from seater_common.messages import matrix_of_pose, matrix_of_transform, names_of
 from seater_msgs.msg import (
     DockActionFeedback,
     DockActionResult,
@@ -29,7 +29,6 @@ from seater_msgs.msg import (
     UndockActionResult,
 )
 from seater_nmpc.ros.transforms import TransformBuffer
-from seater_panel.ros.constants import names_of
 from seater_panel.view.heard import Gate, Heard, Motion, Outlines, Planned, Points, Progress, Result, Sight, Sights
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image, LaserScan
 
 from seater_common.camera_model import CameraModel
-from seater_common.geometry import CameraMount, rotation_rpy
+from seater_common.geometry import CameraMount, quaternion_of, rotation_rpy
 from seater_msgs.msg import ObstacleArray
 from seater_sim.chair.covariance import VARIANCE_FLOOR
 from seater_sim.chair.interface import OdometrySample
@@ -90,22 +90,13 @@ def camera_transforms(mount: CameraMount, time_ns: int) -> list[TransformStamped
     body.header.frame_id = "base_link"
     t = body.transform.translation
     t.x, t.y, t.z = mount.x, mount.y, mount.z
-    body.transform.rotation = _quaternion(rotation_rpy(mount.roll, mount.pitch, mount.yaw))
+    body.transform.rotation = Quaternion(*quaternion_of(rotation_rpy(mount.roll, mount.pitch, mount.yaw)))
     optical = TransformStamped(child_frame_id=OPTICAL_FRAME)
     optical.header.frame_id = "camera_link"
-    optical.transform.rotation = _quaternion(rotation_rpy(-0.5 * math.pi, 0.0, -0.5 * math.pi))
+    optical.transform.rotation = Quaternion(*quaternion_of(rotation_rpy(-0.5 * math.pi, 0.0, -0.5 * math.pi)))
     for transform in (body, optical):
         transform.header.stamp = stamp(time_ns)
     return [body, optical]
-
-
-def _quaternion(R: NDArray[np.float64]) -> Quaternion:
-    """Of a rotation matrix; its axis and angle by Rodrigues' formula."""
-    vector = cv2.Rodrigues(R)[0].reshape(-1)
-    angle = float(np.linalg.norm(vector))
-    axis = vector / angle if angle > 0.0 else vector
-    x, y, z = map(float, math.sin(0.5 * angle) * axis)
-    return Quaternion(x, y, z, math.cos(0.5 * angle))
 
 
 def camera_info_message(model: CameraModel, image: SimulatedImage) -> CameraInfo:
@@ -152,7 +143,7 @@ def laser_transform(sensor: RangeSensor, time_ns: int) -> TransformStamped:
     transform.header.frame_id, transform.header.stamp = "base_link", stamp(time_ns)
     t = transform.transform.translation
     t.x, t.y, t.z = sensor.T_base_sensor[:3, 3].tolist()
-    transform.transform.rotation = _quaternion(sensor.T_base_sensor[:3, :3])
+    transform.transform.rotation = Quaternion(*quaternion_of(sensor.T_base_sensor[:3, :3]))
     return transform
 
 

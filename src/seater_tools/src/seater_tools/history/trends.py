@@ -8,13 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from seater_nmpc.sequence.goal.results import ResultCode
 from seater_tools.history.docking import Docking
 from seater_tools.history.drift import Drift, find_drift
 from seater_tools.history.evidence import Evidence, added_up
 from seater_tools.history.rate import Rise, find_rise
 
 OLD = 365.0  # [days] after which a teaching is worth a word
-BY_PERSONS = (2, 912, 913)  # codes that say nothing of the chair: cancelled, stopped by the user, emergency stop
+# Codes that say nothing of the chair.
+BY_PERSONS = (ResultCode.CANCELED, ResultCode.STOPPED_BY_USER, ResultCode.EMERGENCY_STOP)
 TEACH = "look whether markers, contact or camera were moved; then ./seater teach, or ./seater calibrate mount"
 MOUNT = "was the camera knocked, or a marker? ./seater doctor --move, then ./seater calibrate mount"
 IMAGES = "clean lens and prints, look at light and tyres; ./seater doctor"

@@ -22,7 +22,7 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Bool
 
 from seater_common.geometry import Dock, planar_pose
-from seater_common.messages import matrix_of_pose, matrix_of_transform
+from seater_common.messages import matrix_of_pose, matrix_of_transform, names_of
 from seater_common.params import ParameterError
 from seater_msgs.msg import GateState, MarkerDetectionArray
 from seater_nmpc.ros.camera import from_message, info_topic
@@ -41,11 +41,7 @@ TOLD = {
     "perception": "marker_detector/perception",
     "safety": "safety_gate/safety",
 }
-STATES = {
-    getattr(GateState, name): name
-    for name in ("STOPPED", "REQUEST", "USER", "STALE", "REFUSED", "EMERGENCY_STOP", "FAULT", "RUNAWAY",
-                 "WRONG_DIRECTION", "OBSTACLE")
-}  # fmt: skip
+STATES = names_of(GateState)
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from geometry_msgs.msg import TwistStamped
 
 from seater_common.geometry import Chair
 from seater_msgs.msg import GateState
+from seater_nmpc.ros.conversions import velocity_request
 from seater_nmpc.ros.gate import Gate
 from seater_nmpc.ros.goal_checks import RefusedError
 from seater_tools.doctor.gather.drive import STAND, Piece, Stepper
@@ -100,10 +101,7 @@ class Mover:
             self._stepper.stop(why)
 
     def _send(self, v: float, omega: float) -> None:
-        message = TwistStamped()
-        message.header.stamp, message.header.frame_id = rospy.Time.now(), "base_link"
-        message.twist.linear.x, message.twist.angular.z = v, omega
-        self._out.publish(message)
+        self._out.publish(velocity_request(rospy.Time.now(), "base_link", v, omega))
 
     def _on_shutdown(self) -> None:
         self._stop("the doctor ends")
