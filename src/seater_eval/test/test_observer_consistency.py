@@ -111,7 +111,7 @@ def nees(setup: Setup, sensor: DockSensor, parameters: ObserverParameters, seed:
             assert estimate is not None
             error = difference(estimate.pose, compose(sample.pose, inverse(run.poses[k])))
             values[k] = error @ np.linalg.solve(estimate.covariance, error)
-    assert observer.counts[Outcome.REACQUIRED] == 0, "started again, which would hide how wrong it was"
+    assert observer.images.counts[Outcome.REACQUIRED] == 0, "started again, which would hide how wrong it was"
     return np.array([values[k] for k in run.slices])
 
 

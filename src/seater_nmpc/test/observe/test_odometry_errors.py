@@ -32,9 +32,9 @@ def test_images_wait_for_odometry_at_five_hertz() -> None:
     """None is lost once the period of the odometry is known, and the dock is known as well as the images say."""
     drive = Drive(odometry_period=0.2, image_period=0.05)
     drive.go(0.0, 0.0, 2.0)
-    lost = drive.observer.counts[Outcome.NO_ODOMETRY]
+    lost = drive.observer.images.counts[Outcome.NO_ODOMETRY]
     drive.go(0.3, 0.05, 5.0)
-    counts = drive.observer.counts
+    counts = drive.observer.images.counts
     assert drive.outcomes.count("WAITING") >= 20 and counts[Outcome.NO_ODOMETRY] == lost
     assert drive.outcomes[-4:].count("FUSED") >= 2 and counts[Outcome.FUSED] >= 110
     assert np.max(np.abs(drive.errors[-1])) < 0.004

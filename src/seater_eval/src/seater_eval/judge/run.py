@@ -207,7 +207,7 @@ class _Loop:
         """What became of the images, by the observer's words."""
         if not isinstance(self.driver, SequenceDriver):
             return {}
-        return {outcome.name: count for outcome, count in sorted(self.driver.observer.counts.items())}
+        return {outcome.name: count for outcome, count in sorted(self.driver.observer.images.counts.items())}
 
 
 def _estimate_values(estimates: Array) -> dict[str, float | None]:

@@ -7,7 +7,7 @@ what the images say though they agree among themselves, acquisition.py decides.
 from __future__ import annotations
 
 import math
-from collections import Counter, deque
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,17 +18,15 @@ from seater_nmpc.observe.acquisition import Acquisition
 from seater_nmpc.observe.bank import SLIPS, FilterBank
 from seater_nmpc.observe.drift import Drift
 from seater_nmpc.observe.filter import State
-from seater_nmpc.observe.innovation import Fusion, Innovation, Outcome
+from seater_nmpc.observe.images import Images
+from seater_nmpc.observe.innovation import Fusion, Outcome
 from seater_nmpc.observe.measurement import Hypothesis, Measurement, apart, combine
 from seater_nmpc.observe.odometry import Instant, Odometry, OdometryBuffer
 from seater_nmpc.observe.offers import Offers
-from seater_nmpc.observe.reasons import why_unused
 from seater_nmpc.parameters import ObserverParameters
 
 Array = NDArray[np.float64]
 
-_RATE_IMAGES = 9  # images from which their usual distance in time is taken
-_CONTRADICTING = (4, 0.25)  # images in a row, and time [s], after which images that are not believed contradict
 _MOST_WAITING = 20  # images that may wait for the odometry of their time
 
 
@@ -60,12 +58,11 @@ class DockObserver:
         self.parameters = parameters or ObserverParameters()
         self._offers = Offers(mount, self.parameters)
         self._standing, self._moving_allowed, self._bounded = standing, False, False
-        self.shown: deque[tuple[Instant, list[Measurement]]] = deque()  # by the last images, whether used or not
         p = self.parameters
+        self.images = Images(p.buffer_duration)
         self._calibration = np.diag([p.calibration_position**2, p.calibration_position**2, p.calibration_heading**2])
         self.odometry = OdometryBuffer(self.parameters.buffer_duration, self.parameters.max_extrapolation)
         self._slipping = Drift(p, max(SLIPS))
-        self.counts: Counter[Outcome] = Counter()
         self.refused_odometry = 0
         self.reset()
 
@@ -80,11 +77,8 @@ class DockObserver:
         acquire = (p.gate, p.acquire_odds, self._calibration, self._wander)
         self._candidates = Acquisition(p.acquire_count, *acquire)
         self._rejected = Acquisition(p.reacquire_count, *acquire)
-        self.last_rejected: Innovation | None = None  # of the newest image, when it was outside the gate
         self.elsewhere: tuple[float, float] | None = None  # [m, rad] so far off images agree on another place
-        self._stamps: deque[float] = deque(maxlen=_RATE_IMAGES)
-        self._since_used: Counter[Outcome] = Counter()  # what became of the images since the last used one
-        self._doubted = (0.0, 0.0)  # times of the first and the last image outside the gate since then [s]
+        self.images.restart()
 
     def acquire_moving(self, moving: bool) -> None:
         """Whether the first estimate may be made while the chair moves; else as constructed."""
@@ -104,41 +98,18 @@ class DockObserver:
         taken = self.odometry.add(odometry)
         self.refused_odometry += not taken
         while taken and self._waiting and self._waiting[0][0] <= odometry.stamp:
-            self._since_used[Outcome.WAITING] -= 1  # from here on it counts as what becomes of it
+            self.images.no_longer_waiting()
             self.add_detections(*self._waiting.popleft())
         return taken
 
     def add_detections(self, stamp: float, hypotheses: list[Hypothesis]) -> Fusion:
         """Take what one image, taken at `stamp`, says about the dock."""
+        slip = self._bank.slip
         fusion = self._take(stamp, hypotheses)
-        self.counts[fusion.outcome] += 1
-        self._since_used[fusion.outcome] += 1
-        if not self._stamps or stamp > self._stamps[-1]:
-            self._stamps.append(stamp)
-        if fusion.outcome is Outcome.GATE:
-            self.last_rejected = fusion.innovation
-            self._doubted = (stamp if self._since_used[Outcome.GATE] == 1 else self._doubted[0], stamp)
-        elif fusion.outcome.accepted:
-            self.last_rejected = self.elsewhere = None
-            self._since_used.clear()
+        if fusion.outcome.accepted:
+            self.elsewhere = None
+        self.images.note(stamp, fusion, as_expected=self._bank.slip == slip)
         return fusion
-
-    @property
-    def image_period(self) -> float:
-        """Usual time between two images [s], whatever they show; 0 before there are three."""
-        return float(np.median(np.diff(np.array(self._stamps)))) if len(self._stamps) > 2 else 0.0
-
-    @property
-    def contradicted(self) -> bool:
-        """Whether several images in a row show the dock where it cannot be: no chair should drive by what they say, nor
-        by what is known without them."""
-        count, duration = _CONTRADICTING
-        return self._since_used[Outcome.GATE] >= count and self._doubted[1] - self._doubted[0] >= duration
-
-    @property
-    def why_unseen(self) -> str:
-        """In words, why no image has been used of late."""
-        return why_unused(self._since_used, self.last_rejected)
 
     def estimate(self, stamp: float | None = None) -> DockEstimate | None:
         """The dock at `stamp` (default: that of the newest odometry); None before it was found or without odometry."""
@@ -182,9 +153,7 @@ class DockObserver:
         offered = self._offers.look(chair, hypotheses)
         if isinstance(offered, Outcome):
             return Fusion(outcome=offered)
-        self.shown.append((chair, offered))
-        while self.shown[0][0].stamp < chair.stamp - self.parameters.buffer_duration:
-            self.shown.popleft()
+        self.images.show(chair, offered)
         if self._bank.last is None:
             return Fusion(outcome=self._acquire(chair, offered))
         return self._fuse(chair, offered)

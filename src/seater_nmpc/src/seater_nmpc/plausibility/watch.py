@@ -98,7 +98,7 @@ class Watch:
         return np.zeros(3) if error is None else error.final
 
     def _shown(self) -> Shown:
-        return [entry for entry in self._observer.shown if entry[0].stamp >= self._begun]
+        return [entry for entry in self._observer.images.shown if entry[0].stamp >= self._begun]
 
     def _motion_in_images(self) -> Contradiction | None:
         shown = self._shown()

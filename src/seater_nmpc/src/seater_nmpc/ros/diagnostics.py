@@ -55,7 +55,7 @@ class Diagnostics:
         status.add("measurement age [s]", f"{self._age:.2f}")
         for name, value in vars(self._controller.counters).items():
             status.add(f"controller: {name}", str(value))
-        for outcome, count in sorted(self._observer.counts.items()):
+        for outcome, count in sorted(self._observer.images.counts.items()):
             status.add(f"images: {outcome.text}", str(count))
         status.add("odometry refused", str(self._observer.refused_odometry))
         self._write_learned(status)

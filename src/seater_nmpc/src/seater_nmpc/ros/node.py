@@ -121,7 +121,7 @@ class DockingNode:
         if stamp < self._out.stamp.to_sec() - TIME_JUMP:  # of the last message, whether it was used or not
             self._abort(ResultCode.ODOMETRY_LOST, "time went backward")
             self._core.observer.odometry.clear()
-            self._core.observer.shown.clear()
+            self._core.observer.images.shown.clear()
             self._core.observer.reset()
             self._cycle, self._last_stamp = -1, rospy.Time()
         if not self._core.sequence.add_odometry(self._core.vehicle.odometry(conversions.odometry(message))):

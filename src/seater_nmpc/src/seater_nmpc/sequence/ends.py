@@ -41,7 +41,7 @@ class Ends:
         if late is not None:
             code, text = late
             unseen = code is ResultCode.FAILED_TO_DETECT_DOCK
-            raise GoalEnd(code, f"{text}: {observer.why_unseen}" if unseen else self._with_reason(text))
+            raise GoalEnd(code, f"{text}: {observer.images.why_unseen}" if unseen else self._with_reason(text))
         found = self._watch.check(now)
         if found is not None:
             raise GoalEnd(ResultCode[found.kind.name], found.text)
@@ -52,5 +52,5 @@ class Ends:
         observer = self._context.observer
         estimate = observer.estimate()
         unseen = estimate is not None and estimate.age > _UNSEEN
-        reason = self._context.goal.no_way or (observer.why_unseen if unseen else "")
+        reason = self._context.goal.no_way or (observer.images.why_unseen if unseen else "")
         return f"{text}: {reason}" if reason else text

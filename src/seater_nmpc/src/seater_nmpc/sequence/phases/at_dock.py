@@ -48,7 +48,7 @@ class AtDock:
             return STANDING
         fresh = c.observer.measurements_since(c.standstill.since)
         if len(fresh) < p.move_measurements:
-            late = chair.stamp - c.standstill.since > max(_UNSEEN, _UNSEEN_IMAGES * c.observer.image_period)
+            late = chair.stamp - c.standstill.since > max(_UNSEEN, _UNSEEN_IMAGES * c.observer.images.period)
             return Phase.VERIFY if late else STANDING
         c.goal.error = inverse(standing_dock(fresh))
         return self._decide(c.goal.error)
@@ -77,7 +77,7 @@ class AtDock:
             return Command(v=v, omega=0.0)
         if verdict is Verdict.OUTSIDE:
             return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, verdict.value)
-        why = f": {c.observer.why_unseen}" if verdict is Verdict.UNSEEN else ""
+        why = f": {c.observer.images.why_unseen}" if verdict is Verdict.UNSEEN else ""
         raise GoalEnd(_VERDICTS[verdict], verdict.value + why)
 
     def _decide(self, error: Array) -> Phase:

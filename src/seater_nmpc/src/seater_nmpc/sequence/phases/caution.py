@@ -39,7 +39,7 @@ class Caution:
 
         Undocking goes by odometry alone.
         """
-        phase, period = self._context.goal.phase, self._context.observer.image_period
+        phase, period = self._context.goal.phase, self._context.observer.images.period
         if phase not in _BY_SIGHT and not backs_out:
             return
         p = self._context.parameters
@@ -80,5 +80,5 @@ class Caution:
             return self._finding.turn_back(estimate.pose)
         if waited > p.max_blind_wait:
             how = f"no marker used for {estimate.blind_distance:.2f} m and {estimate.age:.1f} s"
-            raise GoalEnd(ResultCode.MARKER_LOST, f"{how}: {c.observer.why_unseen}")
-        return replace(STANDING, text=f"waits to see the dock: {c.observer.why_unseen}")
+            raise GoalEnd(ResultCode.MARKER_LOST, f"{how}: {c.observer.images.why_unseen}")
+        return replace(STANDING, text=f"waits to see the dock: {c.observer.images.why_unseen}")

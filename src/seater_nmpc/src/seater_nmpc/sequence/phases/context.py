@@ -70,7 +70,7 @@ class Context:
     def blind(self, estimate: DockEstimate) -> bool:
         """Whether the dock was seen too long ago, in time or way driven, to move towards it, or is seen elsewhere."""
         p = self.parameters
-        if self.observer.contradicted:
+        if self.observer.images.contradict:
             return True
         return estimate.blind_distance > p.max_blind_distance or estimate.age > p.max_blind_time
 

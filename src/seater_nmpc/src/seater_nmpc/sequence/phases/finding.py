@@ -98,10 +98,10 @@ class Finding:
     def _begin_search(self, known: bool, here: Array) -> Search:
         c = self._context
         first = () if known else SWEEPS[:1] if self._lost or self._front.hidden(here) else SWEEPS
-        return Search(c.chair, c.dock, c.observer.image_period, first=first, go=known or not self._lost)
+        return Search(c.chair, c.dock, c.observer.images.period, first=first, go=known or not self._lost)
 
     def _in_vain(self) -> GoalEnd:
-        why = self._context.observer.why_unseen
+        why = self._context.observer.images.why_unseen
         if self._lost:
             return GoalEnd(ResultCode.MARKER_LOST, f"turned back to it in vain: {why}")
         return GoalEnd(ResultCode.FAILED_TO_DETECT_DOCK, f"looked all round for it: {why}")
@@ -112,5 +112,5 @@ class Finding:
 
     def _seen_now(self, chair: Instant) -> bool:
         estimate = self._context.observer.estimate(chair.stamp)
-        lately = max(_SEEN_NOW, IMAGES_THAT_MAY_FAIL * self._context.observer.image_period)
+        lately = max(_SEEN_NOW, IMAGES_THAT_MAY_FAIL * self._context.observer.images.period)
         return estimate is not None and estimate.age <= lately

@@ -81,7 +81,7 @@ class Verification:
             fresh = observer.measurements_since(self._start)
             if len(fresh) < self._parameters.verify_measurements:
                 wanted = self._parameters.verify_measurements
-                patience = max(self._parameters.timeouts.verify, _AS_LONG * wanted * observer.image_period)
+                patience = max(self._parameters.timeouts.verify, _AS_LONG * wanted * observer.images.period)
                 late = now - self._start > patience
                 return 0.0, Verdict.UNSEEN if late else Verdict.PENDING
             if moved(fresh):

@@ -1,0 +1,109 @@
+"""What became of the images: what they show, whether they contradict what is known, and in words why none was used."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter, deque
+
+import numpy as np
+
+from seater_nmpc.observe.innovation import Fusion, Innovation, Outcome
+from seater_nmpc.observe.measurement import Measurement
+from seater_nmpc.observe.odometry import Instant
+
+_RATE_IMAGES = 9  # images from which their usual distance in time is taken
+_CONTRADICTING = (4, 0.25)  # images in a row, and time [s], after which images that are not believed contradict
+_TEXTS = {
+    Outcome.EMPTY: "show no marker of the dock (out of view, covered, too dark or too far)",
+    Outcome.FLIP: "show a dock that does not stand on the floor (check the camera's mount in chair.yaml)",
+    Outcome.INVALID: "have a pose that is not finite or without covariance",
+    Outcome.STALE: "came too late (check the camera's latency and time stamps)",
+    Outcome.NO_ODOMETRY: "have a time for which there is no odometry (check the clocks of camera and odometry)",
+    Outcome.ACQUIRING: "do not agree yet, or came while the chair was moving",
+    Outcome.WAITING: "wait for the odometry of their time",
+    Outcome.FROZEN: "show exactly the same though the wheels have turned (do camera or driver repeat old images?)",
+    Outcome.UNCERTAIN: "are too uncertain by their own covariance (markers too small in the image, or too far)",
+}
+
+
+class Images:
+    """`show` it what an image shows of the dock, where it shows one; `note` what became of every image."""
+
+    def __init__(self, duration: float) -> None:
+        """`duration` [s]: for which it is kept what images show."""
+        self._duration = duration
+        self.shown: deque[tuple[Instant, list[Measurement]]] = deque()  # without those that were wrong, see `note`
+        self.counts: Counter[Outcome] = Counter()  # since the begin
+        self.restart()
+
+    def restart(self) -> None:
+        """The dock was forgotten."""
+        self._stamps: deque[float] = deque(maxlen=_RATE_IMAGES)
+        self._last_rejected: Innovation | None = None  # of the newest image, when it was outside the gate
+        self._since_used: Counter[Outcome] = Counter()  # what became of the images since the last used one
+        self._doubted = (0.0, 0.0)  # times of the first and the last image outside the gate since then [s]
+
+    def show(self, chair: Instant, offered: list[Measurement]) -> None:
+        """An image shows the dock at one of these places."""
+        self.shown.append((chair, offered))
+        while self.shown[0][0].stamp < chair.stamp - self._duration:
+            self.shown.popleft()
+
+    def note(self, stamp: float, fusion: Fusion, *, as_expected: bool) -> None:
+        """What became of the image taken at `stamp`. `as_expected`: it was believed by those who did not believe the
+        ones before it. These were wrong then, not what is known of the chair, and no longer count as shown."""
+        self.counts[fusion.outcome] += 1
+        self._since_used[fusion.outcome] += 1
+        if not self._stamps or stamp > self._stamps[-1]:
+            self._stamps.append(stamp)
+        doubted = self._since_used[Outcome.GATE]
+        if fusion.outcome is Outcome.GATE:
+            self._last_rejected = fusion.innovation
+            self._doubted = (stamp if doubted == 1 else self._doubted[0], stamp)
+        elif fusion.outcome.accepted:
+            if fusion.outcome is Outcome.FUSED and as_expected and doubted:
+                self._drop(*self._doubted)
+            self._last_rejected = None
+            self._since_used.clear()
+
+    def no_longer_waiting(self) -> None:
+        """One that waited for the odometry of its time will be noted as what becomes of it."""
+        self._since_used[Outcome.WAITING] -= 1
+
+    @property
+    def period(self) -> float:
+        """Usual time between two images [s], whatever they show; 0 before there are three."""
+        return float(np.median(np.diff(np.array(self._stamps)))) if len(self._stamps) > 2 else 0.0
+
+    @property
+    def contradict(self) -> bool:
+        """Whether several images in a row show the dock where it cannot be: no chair should drive by what they say, nor
+        by what is known without them."""
+        count, duration = _CONTRADICTING
+        return self._since_used[Outcome.GATE] >= count and self._doubted[1] - self._doubted[0] >= duration
+
+    @property
+    def why_unseen(self) -> str:
+        """In words, why no image has been used of late."""
+        total = sum(self._since_used.values())
+        if total == 0:
+            return "no image came"
+        common = self._since_used.most_common()
+        parts = [f"{count} {_TEXTS[outcome]}" for outcome, count in common if outcome in _TEXTS and count]
+        outside = self._since_used[Outcome.GATE] + self._since_used[Outcome.ELSEWHERE]
+        if outside:
+            parts.insert(0, f"{outside} show the dock but were rejected{_how_far(self._last_rejected)}")
+        return f"of {total} images " + ", ".join(parts)
+
+    def _drop(self, first: float, last: float) -> None:
+        kept = [entry for entry in self.shown if not first <= entry[0].stamp <= last]
+        self.shown.clear()
+        self.shown.extend(kept)
+
+
+def _how_far(innovation: Innovation | None) -> str:
+    if innovation is None:
+        return ""
+    x, y, heading = (float(value) for value in innovation.value)
+    off = f"{1e3 * math.hypot(x, y):.0f} mm and {math.degrees(abs(heading)):.1f} deg"
+    return f" as they show it {off} from where it was (did it move? does the odometry tell the truth?)"
