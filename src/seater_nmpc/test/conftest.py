@@ -135,7 +135,7 @@ def make_world(quick_controller: DockingController, navigator: Navigator) -> Cal
         limits = replace(Timeouts(), **timeouts)  # type: ignore[arg-type]
         parameters = replace(SequenceParameters(), timeouts=limits, **changes)  # type: ignore[arg-type]
         chair, dock = Chair(), settings.pop("dock", Dock())
-        quick_controller.reset()
+        quick_controller.forget_chair()
         observer = DockObserver(chair.camera)
         sequence = DockingSequence(
             chair,

@@ -32,7 +32,9 @@ def test_a_slow_chair_with_deadbands_is_learned_and_docked(offset: bool) -> None
     history = controller.history
     assert (history.delay, history.drive.lag_v) == pytest.approx((0.25, 0.28), abs=1e-6)
     assert 0.28 - 1e-6 <= history.drive.lag_omega <= 0.36 + 1e-6
-    assert history.drive.v == AxisDrive(1.0, 0.02, True) if offset else history.drive.v.deadband <= 0.03
+    v = history.drive.v
+    assert v.gain == pytest.approx(1.0, abs=0.05)
+    assert (v.deadband, v.offset) == (0.02, True) if offset else v.deadband <= 0.03
     assert 0.02 <= history.drive.omega.deadband <= 0.065
     assert smallest_clearance(CHAIR, DOCK.bay, poses) > 0.03
     assert np.hypot(*poses[-1, :2]) < 0.005 and abs(math.degrees(poses[-1, 2])) < 0.6
@@ -44,9 +46,36 @@ def test_what_is_right_stays(start) -> None:
     """A chair as told: nothing is learned, and after 13 s it is at the dock."""
     controller, poses = dock(SlowChair(start, 0.15, 0.2), 13.0)
     history = controller.history
-    assert (history.drive.v, history.drive.omega) == (AxisDrive(), AxisDrive())
+    for drive in (history.drive.v, history.drive.omega):
+        assert drive.deadband == 0.0 and drive.gain == pytest.approx(1.0, abs=0.01)
     assert (history.delay, history.drive.lag_v, history.drive.lag_omega) == pytest.approx((0.15, 0.2, 0.2))
     assert abs(history.drive.curvature) < 1e-3 and np.hypot(*poses[-1, :2]) < 0.003
+
+
+@pytest.mark.parametrize("gain", [0.4, 0.7, 1.3])
+def test_a_chair_whose_motors_make_less_or_more_of_each_command(gain: float) -> None:
+    """A raised seat, a base that nobody calibrated: it docks on the same way, and a slow one is not asked for more than
+    it can."""
+    chair = SlowChair((-2.5, 0.5, -0.3), 0.15, 0.2, AxisDrive(gain), AxisDrive(gain))
+    controller, poses = dock(chair, 16.0 / min(gain, 1.0))
+    drive = controller.history.drive
+    assert (drive.v.gain, drive.omega.gain) == pytest.approx((gain, gain), abs=0.06)
+    assert smallest_clearance(CHAIR, DOCK.bay, poses) > 0.03
+    assert np.hypot(*poses[-1, :2]) < 0.003 and abs(math.degrees(poses[-1, 2])) < 0.3
+
+
+def test_of_wheels_that_slip_nothing_is_learned() -> None:
+    """Commanded 0.3 m/s and 0.2 rad/s, moving by half of it: weak motors, or a wet floor."""
+    gains = {}
+    for rolling in (True, False):
+        controller = DockingController(CHAIR, DOCK, ControlParameters(horizon=15, step=0.2), deterministic=True)
+        actuation = controller._actuation
+        for k in range(100):
+            actuation.send(0.05 * k, (0.3, 0.2), (0.3, 0.2), 0.05, False)
+            actuation.measured(0.05 * (k + 1), 0.15, 0.1, rolling=rolling)
+        drive = controller.history.drive
+        gains[rolling] = drive.v.gain, drive.omega.gain, drive.curvature
+    assert gains[False] == (1.0, 1.0, 0.0) and max(gains[True][:2]) < 0.8
 
 
 def test_a_chair_that_pulls_to_one_side_is_held_straight() -> None:

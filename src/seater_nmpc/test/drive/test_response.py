@@ -45,6 +45,10 @@ def respond(
     return beliefs
 
 
+def is_like(drive: AxisDrive, truth: AxisDrive, gain: float = 0.05) -> bool:
+    return (drive.deadband, drive.offset) == (truth.deadband, truth.offset) and abs(drive.gain - truth.gain) <= gain
+
+
 def believed_times(estimator) -> tuple[float, float]:
     delay = int(np.argmin(estimator.delay_costs()))
     return estimator.delays[delay], estimator.lags[int(np.argmin(estimator.lag_costs(delay)))]
@@ -60,8 +64,27 @@ def test_a_slower_axis_with_a_deadband_is_learned_while_driving(offset: bool, se
     """Delay 0.25 s where 0.15 s is configured, lag 0.3 s (0.28 s is the nearest hypothesis) where 0.2 s is, 0.05."""
     estimator, truth = typical(), AxisDrive(1.0, 0.05, offset)
     beliefs = respond(estimator, truth, swings, seed=seed)
-    assert set(beliefs[500:]) == {truth}
+    assert all(is_like(drive, truth) for drive in beliefs[500:])
     assert believed_times(estimator) == pytest.approx((0.25, 0.28))
+
+
+@pytest.mark.parametrize("gain", [0.5, 0.85, 1.25])
+@pytest.mark.parametrize("offset", [False, True], ids=["jump", "offset"])
+def test_an_axis_that_makes_less_or_more_of_a_command_is_learned(gain: float, offset: bool) -> None:
+    """With a deadband of 0.03 rad/s, delay and lag that are not told; the jump shows only where it is asked for."""
+    estimator = typical()
+    truth = AxisDrive(gain, 0.03, offset)
+    for drive in respond(estimator, truth, swings)[400:]:
+        assert drive.gain == pytest.approx(gain, abs=0.12)
+        for command in (-0.3, 0.1, 0.2, 0.35):
+            assert drive.effective(command) == pytest.approx(truth.effective(command), abs=0.025)
+
+
+def test_slow_driving_says_little_about_the_gain() -> None:
+    """Castors that hold by 0.01 rad/s at 0.03 rad/s are no weak motor."""
+    estimator = typical()
+    beliefs = respond(estimator, AxisDrive(1.0, 0.01, True), lambda t: 0.03 * math.sin(t), seconds=6.0)
+    assert all(abs(drive.gain - 1.0) < 0.15 for drive in beliefs)
 
 
 def test_a_chair_that_follows_slowly_is_learned() -> None:
@@ -74,14 +97,14 @@ def test_a_chair_that_follows_slowly_is_learned() -> None:
 def test_the_times_of_a_quick_axis_are_learned_within_five_seconds() -> None:
     estimator = ResponseEstimator(AxisDrive(), 0.3, 0.4, TURNING)
     respond(estimator, AxisDrive(), swings, seconds=5.0)
-    assert believed_times(estimator) == pytest.approx((0.25, 0.28)) and estimator.drive == AxisDrive()
+    assert believed_times(estimator) == pytest.approx((0.25, 0.28)) and is_like(estimator.drive, AxisDrive())
 
 
 def test_bumps_and_castors_change_no_belief() -> None:
     """A push of 0.3 rad/s for 0.15 s every two seconds, on an axis that is as configured."""
     estimator = ResponseEstimator(AxisDrive(), DELAY, LAG, TURNING)
     beliefs = respond(estimator, AxisDrive(), swings, bumps=lambda t: 0.3 if t % 2.0 < 0.15 else 0.0)
-    assert set(beliefs) == {AxisDrive()} and believed_times(estimator) == (DELAY, LAG)
+    assert all(is_like(drive, AxisDrive(), 0.08) for drive in beliefs) and believed_times(estimator) == (DELAY, LAG)
 
 
 def test_large_steady_commands_say_nothing_about_jumps_and_times() -> None:
@@ -94,7 +117,7 @@ def test_large_steady_commands_say_nothing_about_jumps_and_times() -> None:
     steady = typical()
     for k in range(150):
         steady.add(k * MESSAGE, (k + 1) * MESSAGE, lambda start, end: 0.4, 0.4, weight=float(k >= 100))
-    assert np.ptp(steady.delay_costs() - typical().delay_costs()) < 0.05 and steady.drive == AxisDrive()
+    assert np.ptp(steady.delay_costs() - typical().delay_costs()) < 0.05 and is_like(steady.drive, AxisDrive(), 1e-3)
 
 
 def test_a_gap_and_absurd_speeds_begin_anew_and_keep_what_was_learned() -> None:
@@ -103,7 +126,7 @@ def test_a_gap_and_absurd_speeds_begin_anew_and_keep_what_was_learned() -> None:
     costs = estimator.delay_costs()
     estimator.add(20.0, 25.0, lambda start, end: 0.4, 0.0, weight=1.0)
     estimator.add(25.0, 25.02, lambda start, end: 0.4, 1e300, weight=1.0)
-    assert np.array_equal(estimator.delay_costs(), costs) and estimator.drive == truth
+    assert np.array_equal(estimator.delay_costs(), costs) and is_like(estimator.drive, truth)
 
 
 def test_what_says_little_counts_little() -> None:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import functools
 import math
+from dataclasses import replace
 
 from seater_common.geometry import Chair
-from seater_nmpc.control.limits import clamp
+from seater_nmpc.control.limits import clamp, largest_speeds
+from seater_nmpc.drive.axis import AxisDrive
 from seater_nmpc.drive.curvature import CurvatureEstimator
 from seater_nmpc.drive.modulator import Modulator
 from seater_nmpc.drive.response import Expected, ResponseEstimator, better
@@ -18,7 +20,7 @@ _MARGIN = 6.0  # in log likelihood, by which another delay or lag has to be ahea
 _RESPONSE = 0.4  # [s] beyond the delay, in which a command can be seen to act
 _DRIVING = 0.04  # [m/s] from which on the chair drives rather than turns on the spot
 _ON_THE_SPOT = 0.3  # weight of what is learned while turning on the spot: castors hold against it
-_SLOWLY = 0.1  # [s/s] by which delay and lags are changed
+_SLOWLY = 0.1  # [s/s and 1/s] by which delay and lags, and gains, are changed
 
 
 class Actuation:
@@ -47,14 +49,15 @@ class Actuation:
         self._estimate_omega.restart()
         self._stamp = None
 
-    def measured(self, stamp: float, v: float, omega: float) -> None:
-        """Mean speeds [m/s, rad/s] since the last call, at `stamp` [s]; ignored unless that is newer."""
+    def measured(self, stamp: float, v: float, omega: float, *, rolling: bool = True) -> None:
+        """Mean speeds [m/s, rad/s] since the last call, at `stamp` [s]; ignored unless that is newer. Nothing is
+        learned from them unless `rolling`."""
         if self._stamp is not None and stamp <= self._stamp:
             return
         before, self._stamp = self._stamp, stamp
         if before is None or not self._adapt:
             return
-        duration, planned = stamp - before, stamp - self._planned <= self._history.delay + _RESPONSE
+        duration, planned = stamp - before, rolling and stamp - self._planned <= self._history.delay + _RESPONSE
         mean, curvature = functools.cache(self._sent.mean), self._history.drive.curvature  # both axes ask for the same
         self._estimate_v.add(before, stamp, lambda start, end: mean(start, end)[0], v, weight=float(planned))
         self._estimate_omega.add(
@@ -70,9 +73,9 @@ class Actuation:
             self._history.drive.curvature = self._curvature.value
 
     def _learn(self, duration: float) -> None:
-        """Deadbands at once, times slowly: the plan rests on them."""
+        """Deadbands at once, times and gains slowly: the plan rests on them."""
         v, omega, drive, most = self._estimate_v, self._estimate_omega, self._history.drive, _SLOWLY * duration
-        drive.v, drive.omega = v.drive, omega.drive
+        drive.v, drive.omega = _gradually(drive.v, v.drive, most), _gradually(drive.omega, omega.drive, most)
         self._delay = better(v.delay_costs() + omega.delay_costs(), self._delay, _MARGIN)
         self._lag_v = better(v.lag_costs(self._delay), self._lag_v, _MARGIN)
         self._lag_omega = better(omega.lag_costs(self._delay), self._lag_omega, _MARGIN)
@@ -95,7 +98,7 @@ class Actuation:
         `before`: the speeds that count as the last command where none was sent. `slow`: the bay's limit holds.
         `planned`: part of a plan; what the chair makes of other commands is not learned from.
         """
-        drive = self._history.drive
+        drive, wanted = self._history.drive, self._possible(*wanted, slow)
         turning = wanted[1] - drive.curvature * wanted[0] if wanted[1] != 0.0 or planned else 0.0
         v = self._v.command(wanted[0], drive.v, period, steady=True)
         omega = self._omega.command(turning, drive.omega, period, steady=False)
@@ -106,6 +109,19 @@ class Actuation:
         if planned:
             self._planned = stamp
         return v, omega
+
+    def _possible(self, v: float, omega: float, slow: bool) -> tuple[float, float]:
+        """The same path, no faster than the largest commands make both axes."""
+        drive, (forward, backward) = self._history.drive, largest_speeds(self._chair, slow)
+        most_v = abs(drive.v.effective(forward if v > 0.0 else backward))
+        most_omega = abs(drive.omega.effective(self._chair.limits.omega_max))
+        share = min(1.0, most_v / max(abs(v), most_v, 1e-9), most_omega / max(abs(omega), most_omega, 1e-9))
+        return share * v, share * omega
+
+
+def _gradually(before: AxisDrive, now: AxisDrive, most: float) -> AxisDrive:
+    """`now`, with a gain that changes by `most` at most."""
+    return replace(now, gain=_nearer(before.gain, now.gain, most))
 
 
 def _nearer(value: float, to: float, most: float) -> float:

@@ -112,11 +112,13 @@ class DockingController:
         self._limit, self._why_slow = (max(0.0, v), max(0.0, omega)), why
 
     def _slow(self) -> tuple[float, float] | None:
-        """The limits that hold now; slow cycles ask for slow driving: what is not seen for long must not matter."""
+        """The limits that hold now; slow cycles ask for slow driving: what is not seen for long must not matter. A
+        chair whose motors make less of a command than it says cannot be faster than its largest one makes it."""
         v, omega = self._limit
         if self._period > self.parameters.control_period:
             v, omega = min(v, _WAY_PER_CYCLE / self._period), min(omega, _TURN_PER_CYCLE / self._period)
-        limits = self._chair.limits
+        limits, drive = self._chair.limits, self.history.drive
+        v, omega = min(v, drive.v.effective(limits.v_max)), min(omega, drive.omega.effective(limits.omega_max))
         return (v, omega) if v < limits.v_max or omega < limits.omega_max else None
 
     @property
@@ -217,12 +219,13 @@ class DockingController:
         ahead = coasting_pose(ahead, *before, -self._replanner.lead - late)
         return np.concatenate([relative(T_common_target, ahead), before])
 
-    def measured(self, stamp: float, v: float, omega: float) -> None:
+    def measured(self, stamp: float, v: float, omega: float, *, rolling: bool = True) -> None:
         """Mean speeds [m/s, rad/s] since the last call, measured at `stamp` [s]: to learn the chair's response from.
 
-        Without such calls those given to `command` count.
+        Without such calls those given to `command` count. `rolling`: false where wheels slip, which says nothing of the
+        motors.
         """
-        self._actuation.measured(stamp, v, omega)
+        self._actuation.measured(stamp, v, omega, rolling=rolling)
 
     def move(self, stamp: float, velocity: tuple[float, float], v: float, omega: float) -> Command:
         """A command for these speeds without a plan, within the chair's limits: for a small move by hand, as it were.

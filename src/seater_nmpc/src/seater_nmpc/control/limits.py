@@ -18,6 +18,13 @@ def in_bay(chair: Chair, bay: Bay, T_dock_base: ArrayLike) -> bool:
     return bool(np.max(chair.corners_at(T_dock_base)[:, 0]) > bay.entrance_x)
 
 
+def largest_speeds(chair: Chair, slow: bool) -> tuple[float, float]:
+    """(forward, backward) [m/s], both positive. `slow`: the bay's limit holds."""
+    limits = chair.limits
+    most = limits.v_bay_max if slow else math.inf
+    return min(limits.v_max, most), min(limits.v_reverse_max, most)
+
+
 def clamp(
     chair: Chair, v: float, omega: float, before: tuple[float, float], period: float, slow: bool
 ) -> tuple[float, float]:
@@ -29,8 +36,7 @@ def clamp(
     """
     limits = chair.limits
     v, omega = (value if math.isfinite(value) else 0.0 for value in (v, omega))
-    forward = min(limits.v_max, limits.v_bay_max) if slow else limits.v_max
-    backward = min(limits.v_reverse_max, limits.v_bay_max) if slow else limits.v_reverse_max
+    forward, backward = largest_speeds(chair, slow)
     v = min(max(v, -backward), forward)
     omega = min(max(omega, -limits.omega_max), limits.omega_max)
     v = min(max(v, before[0] - limits.a_max * period), before[0] + limits.a_max * period)

@@ -3,19 +3,20 @@
 A set of hypotheses: each a deadband of some width and kind, with some delay and lag. Each predicts the speed from the
 commands that were sent; what is measured is compared with that in short windows, by a heavy-tailed (Cauchy) measure
 since castors and bumps push the chair, too. Large steady commands say nothing about delay, lag or the width of a jump:
-the predictions are the same. What is believed changes only when another hypothesis is ahead by a margin. The gain is
-taken as configured.
+the predictions are the same. What is believed changes only when another hypothesis is ahead by a margin. Each has its
+own gain (gains.py).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seater_nmpc.drive.axis import AxisDrive
+from seater_nmpc.drive.gains import Gains
 
 Array = NDArray[np.float64]
 
@@ -28,6 +29,7 @@ _PRIOR_TIMING, _TYPICAL_ERROR = 1.0, 0.1  # penalty of times that differ from th
 _DELAYS = (-0.15, -0.1, -0.05, 0.0, 0.05, 0.1, 0.15)  # [s] added to the configured delay
 _LAGS = (0.1, 0.4, 0.7, 1.0, 1.4, 1.8, 2.6, 3.5)  # times the configured lag
 _GAP = 0.5  # [s] between two measurements after which the prediction begins anew
+_GAIN_NOISE = 3.0  # times the noise of a window: what hills, castors and carpets do lasts for many of them
 _FASTEST = 10.0  # [m/s or rad/s] beyond that it is no measurement of a chair
 
 
@@ -57,6 +59,7 @@ class ResponseEstimator:
         self._prior += _PRIOR_TIMING * np.abs(np.array(self.lags) - lag)[None, :, None] / _TYPICAL_ERROR
         self._prior += _prior(self._drives, expected)
         self._cost, self._drive = self._prior.copy(), 0
+        self._gains = Gains(self._prior.shape, _GAIN_NOISE * expected.noise)
         self.restart()
 
     def restart(self) -> None:
@@ -70,25 +73,27 @@ class ResponseEstimator:
 
     @property
     def drive(self) -> AxisDrive:
-        """The deadband that is believed in."""
-        return self._drives[self._drive]
+        """The deadband that is believed in, with the gain of the likeliest delay and lag."""
+        costs, gains = self._costs()[:, :, self._drive], self._gains.values[:, :, self._drive]
+        drive = self._drives[self._drive]
+        return replace(drive, gain=drive.gain * float(gains.flat[np.argmin(costs)]))
 
     def difference(self) -> float:
         """Measured less expected speed in the last window: the smallest of all delays and lags that explain about as
         well what was measured so far. While a command changes, a delay that is not known yet looks like a chair that
         turns by itself."""
-        costs, differences = self._cost[:, :, self._drive], self._difference[:, :, self._drive]
+        costs, differences = self._costs()[:, :, self._drive], self._difference[:, :, self._drive]
         likely = differences[costs <= costs.min() + _MARGIN]
         least, most = float(likely.min()), float(likely.max())
         return max(least, 0.0) + min(most, 0.0)
 
     def delay_costs(self) -> Array:
         """How badly each of `delays` explains what was measured, as a negative log likelihood."""
-        return np.asarray(self._cost.min(axis=(1, 2)))
+        return np.asarray(self._costs().min(axis=(1, 2)))
 
     def lag_costs(self, delay: int) -> Array:
         """The same of each of `lags`, given a delay (an index)."""
-        return np.asarray(self._cost[delay].min(axis=1))
+        return np.asarray(self._costs()[delay].min(axis=1))
 
     def add(
         self, start: float, end: float, commanded: Callable[[float, float], float], measured: float, *, weight: float
@@ -118,15 +123,20 @@ class ResponseEstimator:
         return np.asarray(target + away * (1.0 - decay) * self._lag / duration)
 
     def _compare(self) -> None:
-        self._difference = (self._measured - self._predicted) / self._time
+        measured, predicted = self._measured / self._time, self._predicted / self._time
+        self._difference = measured - self._gains.values * predicted
         if self._weight > 0.0:
-            residual = self._difference / self._noise
-            memory = 1.0 - self._weight * _FORGETTING
-            self._cost = self._prior + memory * (self._cost - self._prior)
-            self._cost += self._weight * np.log1p(residual * residual)
+            square = (self._difference / self._noise) ** 2
+            forgetting = self._weight * _FORGETTING
+            self._cost = self._prior + (1.0 - forgetting) * (self._cost - self._prior)
+            self._cost += self._weight * np.log1p(square)
             self._cost = np.minimum(self._cost - self._cost.min(), _MOST + self._prior)
-            self._drive = better(self._cost.min(axis=(0, 1)), self._drive, _MARGIN)
+            self._gains.add(predicted, measured, self._weight, forgetting)
+            self._drive = better(self._costs().min(axis=(0, 1)), self._drive, _MARGIN)
         self._begin_window()
+
+    def _costs(self) -> Array:
+        return np.asarray(self._cost + self._gains.costs)
 
 
 def _deadbands(configured: AxisDrive, expected: Expected) -> list[AxisDrive]:

@@ -92,7 +92,7 @@ class Prediction:
     gain_omega: float = param(1.0, "", "the same for turning", low=0.3, high=3.0)
     deadband_v: float = param(0.0, "m/s", "commands up to this do not move the chair", low=0.0, high=0.2)
     deadband_omega: float = param(0.0, "rad/s", "the same for turning", low=0.0, high=0.4)
-    adapt: bool = param(True, "", "learn deadbands, delay, lags and curvature from how the chair responds")
+    adapt: bool = param(True, "", "learn gains, deadbands, delay, lags and curvature from how the chair responds")
 
 
 @dataclass(frozen=True)

@@ -95,7 +95,7 @@ class Markers:
             roll, pitch = np.degrees([-self._tilt.value[1], self._tilt.value[0]])
             return _inconsistent(
                 f"the dock seems to be tilted by {abs(roll):.1f} deg sideways and {abs(pitch):.1f} deg forward",
-                "the camera's mount in chair.yaml, a marker that hangs askew, or a wheel in a hole?",
+                "the camera's mount in chair.yaml, a marker that hangs askew, a wheel in a hole, or a lopsided load?",
             )
         height = float(self._height.sure[0])
         if abs(height) > p.mount_height:

@@ -70,6 +70,7 @@ class Diagnostics:
         for name, axis, unit in (("speed", drive.v, "m/s"), ("turning", drive.omega, "rad/s")):
             kind = "taken off every command" if axis.offset else "smaller commands do nothing"
             status.add(f"learned: deadband of {name} [{unit}]", f"{axis.deadband:.3f} ({kind})")
+        status.add("learned: gain of speed and turning", f"{drive.v.gain:.3f} {drive.omega.gain:.3f}")
         status.add("learned: turns by itself [rad/m]", f"{drive.curvature:.3f}")
         if estimate is not None:
             status.add("wheels slip, 0 to 1; 4: one spins", f"{estimate.slip:.2f}")

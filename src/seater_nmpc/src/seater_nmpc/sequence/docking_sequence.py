@@ -37,6 +37,8 @@ from seater_nmpc.sequence.phases.context import STANDING, Context
 from seater_nmpc.sequence.phases.phases import Phases
 from seater_nmpc.sequence.report import make_result, make_step, standard_deviations
 
+_SLIPPING = 1.0  # of the observer: from here on wheels slip so much that nothing is learned of the motors
+
 
 class DockingSequence:
     """Docks and undocks. Feed it odometry and detections as they come; call `update` once per control cycle."""
@@ -151,7 +153,9 @@ class DockingSequence:
         newest = self.observer.odometry.newest
         if taken and newest is not None:
             self._motion.add_odometry(replace(odometry, v=newest.v, omega=newest.omega))  # as checked against its poses
-            self._controller.measured(odometry.stamp, *self.observer.true_speeds(newest.v, newest.omega))
+            known = self.observer.estimate()
+            speeds = (newest.v, newest.omega) if known is None else known.true_speeds(newest.v, newest.omega)
+            self._controller.measured(odometry.stamp, *speeds, rolling=known is None or known.slip < _SLIPPING)
         return taken
 
     def add_detections(self, stamp: float, hypotheses: list[Hypothesis], markers: Sequence[MarkerSight] = ()) -> Fusion:
