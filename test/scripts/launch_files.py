@@ -7,6 +7,7 @@ from pathlib import Path
 
 import rospkg
 import rostest
+from roslaunch import RLException
 from roslaunch.config import ROSLaunchConfig, load_config_default
 
 LAUNCH = Path(rospkg.RosPack().get_path("seater_bringup")) / "launch"
@@ -73,7 +74,7 @@ class LaunchFiles(unittest.TestCase):
         self.assertIn(("camera_info", "camera/color/camera_info"), camera.remap_args)
 
     def test_a_recording_does_not_drive_the_chair(self) -> None:
-        with self.assertRaises(Exception):
+        with self.assertRaises(RLException):
             nodes("wheelchair.launch", "camera:=recorded")
 
     def test_panel_and_rviz(self) -> None:

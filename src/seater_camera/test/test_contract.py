@@ -7,12 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from virtual import picture
+
 from seater_camera.clock.stamps import Stamper
 from seater_camera.frames import Clock, Frame, Source
 from seater_camera.settings import CameraSettings, ClockSettings
 from seater_camera.sources.kinds import make_source
 from seater_camera.stream import Stream
-from virtual import picture
 
 SECONDS = 2.0  # of images that are looked at
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from seater_camera.clock.device_clock import DeviceClock
 
 LEAST = 0.020  # [s] of the delays

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from seater_camera.exposure import ExposureController, Light
 from seater_camera.settings import ExposureSettings
 

@@ -5,9 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from seater_camera.ros.messages import CLIPPED, MARKERS, clipped_white, image_message, info_message
 from std_msgs.msg import Header
 from virtual import lens, picture
+
+from seater_camera.ros.messages import CLIPPED, MARKERS, clipped_white, image_message, info_message
 
 PERCEPTION = Path(__file__).resolve().parents[2] / "seater_perception/src/ros/ros_diagnostics.cpp"
 

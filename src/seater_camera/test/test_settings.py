@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from seater_camera.settings import CameraSettings
-
 from seater_common.params import load, read_yaml
 
 FILE = Path(__file__).resolve().parents[3] / "config" / "camera.yaml"

@@ -7,6 +7,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from stand_ins import Capture, RealSense
+from virtual import picture
+
 from seater_camera.frames import Clock, EndOfStreamError, SourceError
 from seater_camera.settings import CameraSettings, FormatSettings
 from seater_camera.sources import realsense
@@ -14,9 +17,6 @@ from seater_camera.sources.kinds import make_source
 from seater_camera.sources.realsense import RealsenseSource
 from seater_camera.sources.recorded import RecordedSource
 from seater_camera.sources.v4l2 import V4l2Source
-from stand_ins import Capture, RealSense
-from virtual import picture
-
 from seater_common.params import ParameterError
 
 SETTINGS = CameraSettings(format=FormatSettings(width=64, height=48))

@@ -3,10 +3,11 @@
 import math
 
 import pytest
+from virtual import PERIOD, Time, picture
+
 from seater_camera.clock.stamps import Refusal, RefusedError, Stamper
 from seater_camera.frames import Clock, Frame
 from seater_camera.settings import ClockSettings
-from virtual import PERIOD, Time, picture
 
 
 def stamper(time: Time, **settings: float) -> Stamper:

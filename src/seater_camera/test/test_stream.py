@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from virtual import Time, VirtualSource, lens, picture, unplugged
+
+from seater_camera import stream as stream_module
 from seater_camera.clock.stamps import Refusal, Stamper
 from seater_camera.frames import Clock, EndOfStreamError, Frame
 from seater_camera.settings import CameraSettings, FormatSettings
 from seater_camera.stream import Stream
-from virtual import Time, VirtualSource, lens, picture, unplugged
-
-from seater_camera import stream as stream_module
 from seater_common.camera_model import CameraModel
 
 SETTINGS = CameraSettings(format=FormatSettings(width=64, height=48))

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from seater_camera.frames import Clock, Frame, SourceError
 
+from seater_camera.frames import Clock, Frame, SourceError
 from seater_common.camera_model import CameraModel
 
 PERIOD = 1.0 / 30.0
