@@ -20,7 +20,7 @@ from sensor_msgs.msg import CameraInfo, Image
 
 from seater_common.params import read_yaml
 
-FRAMES, RATE = 60, 20
+FRAMES, RATE = 50, 20
 CONFIG = Path(rospkg.RosPack().get_path("seater_config"))
 WORDS = ["rosrun", "seater_camera", "camera_node", "__name:=camera"]
 
@@ -41,6 +41,7 @@ class CameraNode(unittest.TestCase):
             cv2.imwrite(f"{self.folder.name}/{n:03d}.png", image)
         settings = read_yaml(CONFIG / "camera.yaml")
         settings["device"] = self.folder.name
+        settings["exposure"]["mode"] = "device"
         settings["format"] |= {"width": 640, "height": 480, "rate": RATE}
         rospy.set_param("/camera/settings", settings)
         rospy.set_param("/camera/source", "recorded")

@@ -64,8 +64,8 @@ class RecordedSource:
         self._images = iter(())
 
     def set_exposure(self, seconds: float | None) -> bool:
-        """It is too late for that."""
-        return False
+        """It is too late for another than the device's own."""
+        return seconds is None
 
     def _of_folder(self) -> Iterator[NDArray[np.uint8]]:
         for file in self._files:
