@@ -21,7 +21,6 @@ def give(made: Stamper, time: Time, own: float, clock: Clock = Clock.MONOTONIC, 
 def refusal(made: Stamper, time: Time, own: float, clock: Clock = Clock.MONOTONIC, seed: int = 0) -> Refusal:
     with pytest.raises(RefusedError) as error:
         give(made, time, own, clock, seed)
-    assert made.refused[error.value.refusal] >= 1
     return error.value.refusal
 
 
@@ -56,7 +55,7 @@ def test_times_that_cannot_be(ahead: float, why: Refusal) -> None:
 def test_a_wall_clock_set_back_publishes_nothing_until_it_has_caught_up() -> None:
     time = Time()
     made = stamper(time)
-    last = give(made, time, time.steady - 0.03, seed=0)
+    last, refused = give(made, time, time.steady - 0.03, seed=0), 0
     time.wall_offset -= 2.0
     for i in range(1, 90):
         time.steady += PERIOD
@@ -64,10 +63,11 @@ def test_a_wall_clock_set_back_publishes_nothing_until_it_has_caught_up() -> Non
             stamp = give(made, time, time.steady - 0.03, seed=i)
         except RefusedError as error:
             assert error.refusal is Refusal.BACKWARDS
+            refused += 1
             continue
         assert last < stamp <= time.wall()
         last = stamp
-    assert 55 <= made.refused[Refusal.BACKWARDS] <= 61
+    assert 55 <= refused <= 61
 
 
 def test_stamps_go_on_after_a_camera_was_opened_anew() -> None:

@@ -94,7 +94,7 @@ def test_a_stall_is_silence_and_no_old_image_comes_after_it() -> None:
 
     source.script = {100: stall}
     played = Played(source)
-    assert played.stamper.refused[Refusal.OLD] == 1
+    assert played.health.total_refused[Refusal.OLD] == 1
     assert len(played.images) == 299
     assert np.max(np.array(played.at) - played.stamps) < 0.5
     period = float(np.median(np.diff(played.stamps)))
@@ -107,7 +107,7 @@ def test_a_camera_that_repeats_its_last_image_is_silence() -> None:
     source.script = {n: lambda frame: replace(frame, image=frozen) for n in range(100, 200)}
     played = Played(source)
     assert len(played.images) == 201
-    assert played.stamper.refused[Refusal.FROZEN] == 99
+    assert played.health.total_refused[Refusal.FROZEN] == 99
 
 
 def test_an_image_of_another_size_is_never_published_and_both_sizes_are_named() -> None:

@@ -50,12 +50,16 @@ class ExposureController:
         """Perception's word: share of the white round markers that is cut off."""
         self._told, self._told_at = clipped, now
 
+    def due(self, now: float) -> bool:
+        """Whether a decision is; `now` [s] by a steady clock."""
+        return now - self._decided_at >= PERIOD
+
     def decide(self, light: Light, now: float) -> float | None:
-        """A new exposure time [s], or None: as it is. `now` [s] by a steady clock.
+        """A new exposure time [s], or None: as it is.
 
         While perception sees markers, their white counts; else the brightest part of the image, a lamp too.
         """
-        if now - self._decided_at < PERIOD:
+        if not self.due(now):
             return None
         self._decided_at = now
         self.clipped = self._told if now - self._told_at <= _TOLD else light.clipped

@@ -40,6 +40,7 @@ class Health:
         self._refused: Counter[Refusal] = Counter()
         self._trouble = "the camera has not been opened yet"
         self.connections, self.total_images, self.total_dropped = 0, 0, 0
+        self.total_refused: Counter[Refusal] = Counter()
 
     def connected(self) -> None:
         """The camera was opened."""
@@ -75,6 +76,7 @@ class Health:
         """An image did not go out."""
         with self._lock:
             self._refused[refusal] += 1
+            self.total_refused[refusal] += 1
 
     def report(self, now: float) -> Report:
         """Since the last report."""

@@ -100,7 +100,7 @@ class Stream:
         self._expose(frame.image, now)
 
     def _expose(self, image: NDArray[np.uint8], now: float) -> None:
-        if self.exposure is None or not self.exposure_works:
+        if self.exposure is None or not self.exposure_works or not self.exposure.due(now):
             return
         wanted = self.exposure.decide(Light.of(image), now)
         if wanted is not None:

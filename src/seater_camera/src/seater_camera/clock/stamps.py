@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections import Counter
 from collections.abc import Callable
 from enum import Enum
 
@@ -54,7 +53,6 @@ class Stamper:
         self._stamp, self._seen = -math.inf, -math.inf  # last stamp; last frame's own time
         self._rows = np.empty(0, np.uint8)  # some of the last image
         self.clock: Clock | None = None  # of the last frame
-        self.refused: Counter[Refusal] = Counter()
 
     @property
     def device(self) -> DeviceClock:
@@ -74,17 +72,6 @@ class Stamper:
         Raises:
             RefusedError: it must not be published.
         """
-        try:
-            return self._stamped(frame)
-        except RefusedError as error:
-            self.refused[error.refusal] += 1
-            raise
-
-    def age(self, stamp: float) -> float:
-        """Of a stamp, now [s]."""
-        return self._wall() - stamp
-
-    def _stamped(self, frame: Frame) -> float:
         self.clock = frame.clock
         self._refuse_repeated(frame)
         offset = self._wall_minus_steady()
@@ -101,6 +88,10 @@ class Stamper:
             raise RefusedError(Refusal.BACKWARDS)
         self._stamp = stamp
         return stamp
+
+    def age(self, stamp: float) -> float:
+        """Of a stamp, now [s]."""
+        return self._wall() - stamp
 
     def _refuse_repeated(self, frame: Frame) -> None:
         seen = frame.arrival if frame.clock is Clock.ARRIVAL else frame.time

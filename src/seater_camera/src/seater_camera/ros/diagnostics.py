@@ -42,7 +42,7 @@ def write_status(status: DiagnosticStatusWrapper, stream: Stream, stamper: Stamp
     if stamper.clock is Clock.DEVICE:
         status.add("drift against the camera's clock [ppm]", f"{1e6 * stamper.device.drift:.1f}")
         status.add("leaps of the camera's clock", str(stamper.device.restarts))
-    for refusal, count in sorted(stamper.refused.items(), key=lambda item: item[0].name):
+    for refusal, count in sorted(health.total_refused.items(), key=lambda item: item[0].name):
         status.add(f"not published since start, {refusal.value}", str(count))
     if stream.exposure is not None:
         status.add("exposure [ms]", f"{1e3 * stream.exposure.time:.2f}")
