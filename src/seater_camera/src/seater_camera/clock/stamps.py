@@ -9,9 +9,9 @@ from enum import Enum
 
 import numpy as np
 
-from seater_camera.clock.device_clock import DeviceClock
 from seater_camera.frames import Clock, Frame
 from seater_camera.settings import ClockSettings
+from seater_common.device_clock import DeviceClock
 
 _TRIES = 3  # to read two clocks at once
 _AT_ONCE = 20e-6  # [s] that the reading may take

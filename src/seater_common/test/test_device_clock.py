@@ -1,9 +1,9 @@
-"""The camera's clock against the host's: drift, jitter, wrap and leaps."""
+"""A device's clock against the host's: drift, jitter, wrap and leaps."""
 
 import numpy as np
 import pytest
 
-from seater_camera.clock.device_clock import DeviceClock
+from seater_common.device_clock import DeviceClock
 
 LEAST = 0.020  # [s] of the delays
 PERIOD = 1.0 / 30.0

@@ -1,4 +1,4 @@
-"""From a camera's own clock to the host's, drift-free, out of arrival times alone."""
+"""From a device's own clock to the host's, drift-free, out of arrival times alone."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _BINS = 60  # that are kept: drift changes with temperature, within minutes
 _SHORT = 8  # bins from which on the drift is estimated: less of them tell more of the jitter
 _MAX_DRIFT = 500e-6  # of a quartz: 100e-6 for bad ones
 _JUMP = 0.05  # [s] earlier than any drift allows: the device's clock has leapt ahead
-_SETTLED = 60  # frames in a row that are all late by more than _JUMP: the device's clock has stood or leapt back
+_SETTLED = 60  # events in a row that are all late by more than _JUMP: the device's clock has stood or leapt back
 
 
 class DeviceClock:
@@ -45,10 +45,10 @@ class DeviceClock:
         return self._slope
 
     def to_host(self, device: float, arrival: float) -> float:
-        """Time of the frame [s] by the host's clock, never later than `arrival`.
+        """Time of the event [s] by the host's clock, never later than `arrival`.
 
         Args:
-            device: time of the frame by the device's clock [s], as it came.
+            device: time of the event by the device's clock [s], as it came.
             arrival: by the host's clock [s].
         """
         time = self._unwrapped(device)
