@@ -77,6 +77,12 @@ class LaunchFiles(unittest.TestCase):
         with self.assertRaises(RLException):
             nodes("wheelchair.launch", "camera:=recorded")
 
+    def test_the_base_driver(self) -> None:
+        self.assertEqual(nodes("base.launch"), {"/base"})
+        self.assertNotIn("/base/port", parameters("base.launch"))
+        self.assertEqual(parameters("base.launch", "port:=/dev/ttyUSB3")["/base/port"], "/dev/ttyUSB3")
+        self.assertEqual(parameters("base.launch")["/base/base/silence"], 0.3)
+
     def test_panel_and_rviz(self) -> None:
         watching = nodes("wheelchair.launch", "panel:=true", "rviz:=true") - nodes("wheelchair.launch")
         self.assertEqual(watching, {"/panel", "/scene", "/rviz"})

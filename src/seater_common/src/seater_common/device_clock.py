@@ -21,7 +21,7 @@ _SETTLED = 60  # events in a row that are all late by more than _JUMP: the devic
 class DeviceClock:
     """The line that lies below all points (device time, arrival) and nearest to them.
 
-    An arrival is the exposure's time plus a delay which is never below some least delay. So the points lie above a
+    An arrival is the time of the event plus a delay which is never below some least delay. So the points lie above a
     line, whose slope is the ratio of the clocks: the lower convex hull's edge at the points' mean (Zhang, Liu and Xia,
     "Clock synchronization algorithms for network measurements", INFOCOM 2002). What `to_host` returns contains the
     least delay, which nobody can see from one side.

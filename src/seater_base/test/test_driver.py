@@ -1,0 +1,145 @@
+"""Driver and firmware over a pseudo-terminal, in true time: what the person's safety rests on."""
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from seater_base.driver import Driver
+from seater_base.firmware import Firmware, SimulatedBase
+from seater_base.odometry import Driven
+from seater_base.protocol import Command, encode
+from seater_base.settings import BaseSettings
+from seater_common.params import load, read_yaml
+
+SETTINGS = BaseSettings()
+FILE = Path(__file__).resolve().parents[3] / "config" / "base.yaml"
+
+
+def wait(condition: Callable[[], bool], seconds: float = 10.0) -> float:
+    """How long it took [s]."""
+    begin = time.monotonic()
+    while not condition():
+        assert time.monotonic() - begin < seconds, "waited in vain"
+        time.sleep(0.002)
+    return time.monotonic() - begin
+
+
+class Pair:
+    """A simulated base and the driver of it."""
+
+    def __init__(self, firmware: Firmware | None = None) -> None:
+        self.base = SimulatedBase(firmware or Firmware(SETTINGS.wheels))
+        self.driven: list[Driven] = []
+        self.driver = Driver(replace(SETTINGS, port=self.base.path), self.driven.append)
+        self.driver.start()
+
+    def tell(self, seconds: float, v: float = 0.3, *, power: bool = True, velocity: bool = True) -> None:
+        """As gate and docking node do, 50 times per second."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            if power:
+                self.driver.power(True)
+            if velocity:
+                self.driver.velocity(v, 0.0, "gate")
+            time.sleep(0.02)
+
+    @property
+    def speed(self) -> float:
+        return max(abs(speed) for speed in self.base.firmware.speeds)
+
+
+@pytest.fixture
+def pair() -> Iterator[Pair]:
+    made = Pair()
+    wait(lambda: made.driver.trouble == "")
+    yield made
+    made.driver.stop()
+
+
+def test_the_shipped_file_holds_the_defaults() -> None:
+    assert load(BaseSettings, read_yaml(FILE), "base") == BaseSettings()
+
+
+def test_drives_and_tells_where_it_is(pair: Pair) -> None:
+    pair.tell(1.5)
+    assert pair.speed == pytest.approx(0.3, abs=0.01)
+    assert pair.driver.identity is not None and pair.driver.identity.name == "simulated"
+    last = pair.driven[-1]
+    assert last.v == pytest.approx(0.3, abs=0.03)
+    assert last.pose[0] == pytest.approx(pair.base.firmware._ways[0], abs=0.05)
+    assert 0.0 <= time.monotonic() - last.time < 0.2
+    assert pair.driver.damaged == 0
+
+
+def test_silence_of_cmd_vel_stops(pair: Pair) -> None:
+    pair.tell(1.0)
+    pair.tell(0.8, velocity=False)  # 0.3 s of silence, 0.2 s of braking, and a loaded machine
+    assert pair.speed == 0.0 and pair.base.firmware.power
+
+
+def test_silence_of_motor_enable_takes_the_power(pair: Pair) -> None:
+    pair.tell(1.0)
+    pair.tell(0.8, power=False)
+    assert pair.speed == 0.0 and not pair.base.firmware.power
+
+
+def test_a_cable_that_breaks_stops_the_base_by_itself(pair: Pair) -> None:
+    pair.tell(1.0)
+    pair.base.deaf = True
+    pair.tell(0.8)
+    assert pair.speed == 0.0 and not pair.base.firmware.power
+
+
+def test_the_end_of_the_driver_takes_the_power() -> None:
+    made = Pair()
+    wait(lambda: made.driver.trouble == "")
+    made.tell(0.5)
+    assert made.base.firmware.power
+    made.driver.stop()
+    assert wait(lambda: not made.base.firmware.power) < 0.25, "told, not by silence"
+    made.base.close()
+
+
+def test_unplugged_is_said_and_no_way_is_made_up(pair: Pair) -> None:
+    pair.tell(0.5)
+    known = len(pair.driven)
+    pair.base.close()
+    wait(lambda: "plugged in" in pair.driver.trouble)
+    pair.tell(0.3)
+    assert len(pair.driven) <= known + 5
+    pair.base = SimulatedBase(Firmware(SETTINGS.wheels))  # for the fixture's end
+    pair.base.close()
+
+
+def test_a_base_of_another_protocol_is_not_driven() -> None:
+    made = Pair(Firmware(SETTINGS.wheels, version=9))
+    wait(lambda: "protocol 9, not 1" in made.driver.trouble)
+    made.tell(0.5)
+    assert not made.base.firmware.power and made.driven == []
+    made.driver.stop()
+    made.base.close()
+
+
+def test_no_port_says_what_to_do() -> None:
+    driver = Driver(replace(SETTINGS, port="/dev/no_such_port"), lambda driven: None)
+    driver.start()
+    wait(lambda: "no such port" in driver.trouble)
+    driver.stop()
+
+
+def test_the_firmware_takes_no_command_twice_and_none_with_the_power() -> None:
+    firmware = Firmware(SETTINGS.wheels)
+    line = encode(Command(1, 0.5, 0.0, True).text())
+    for k in range(50):  # the same line again and again, as a buffer that is stuck
+        firmware.receive(line)
+        firmware.step(0.02 * k)
+    assert firmware.speeds == [0.0, 0.0] and not firmware.power
+    firmware.receive(encode(Command(2, 0.5, 0.0, True).text()))
+    firmware.step(1.02)
+    assert firmware.speeds == [0.0, 0.0], "what comes with the power drives nothing"
+    firmware.receive(encode(Command(3, 0.5, 0.0, True).text()))
+    firmware.step(1.04)
+    assert firmware.speeds[0] > 0.0
