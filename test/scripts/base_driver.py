@@ -2,6 +2,7 @@
 """The base driver as a node, with a simulated base behind a pseudo-terminal: it drives, stops when nobody commands, and
 takes the power when motor_enable falls silent or the node is killed."""
 
+import itertools
 import subprocess
 import sys
 import time
@@ -89,7 +90,7 @@ class BaseDriver(unittest.TestCase):
         self.tell(2.0 * SILENCE + 0.2)
         self.assertEqual((self.speed, self.firmware.power), (0.0, False))
         stamps = [message.header.stamp for message in self.odometry]
-        self.assertTrue(all(a < b for a, b in zip(stamps, stamps[1:], strict=False)))
+        self.assertTrue(all(a < b for a, b in itertools.pairwise(stamps)))
         last = self.odometry[-1]
         self.assertEqual((last.header.frame_id, last.child_frame_id), ("odom", "base_link"))
         self.assertGreater(last.pose.pose.position.x, 0.3)

@@ -75,7 +75,7 @@ class WheelOdometry:
         self._recent.append((duration, way, turn))
         while sum(step[0] for step in self._recent) - self._recent[0][0] >= _SPEED_TIME:
             self._recent.popleft()
-        total, ways, turns = np.sum(self._recent, axis=0).tolist()
+        total, ways, turns = np.sum(list(self._recent), axis=0).tolist()
         count = 1.0 / min(abs(self._wheels.left_counts), abs(self._wheels.right_counts))  # [m]
         sd = (count / total, 2.0 * count / total / self._wheels.separation)
         return Driven(time, self.pose, self._P.copy(), ways / total, turns / total, sd)
