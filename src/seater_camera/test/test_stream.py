@@ -52,6 +52,7 @@ class Played:
 @pytest.fixture(autouse=True)
 def no_pauses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stream_module, "_FIRST_PAUSE", 0.001)
+    monkeypatch.setattr(stream_module, "_LONGEST_PAUSE", 0.001)
 
 
 @pytest.mark.parametrize("clock", list(Clock))

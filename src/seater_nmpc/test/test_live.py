@@ -98,17 +98,17 @@ def test_a_speed_that_falls_on_the_way_slows_down_without_a_step_and_docks(make_
 
 
 def test_other_tolerances_hold_from_the_next_goal_on(make_world) -> None:
-    world = started(make_world((-0.5, 0.0, 0.0)))
+    world = started(make_world((-0.5, 0.0, 0.0), seen=lambda world: False))
     world.run(1.0)
     with pytest.raises(ValueError, match="between two goals"):
         world.sequence.tune(SequenceParameters(max_retries=0))
     world.sequence.abort(world.now, ResultCode.CANCELED, "")
-    timeouts = dataclasses.replace(SequenceParameters().timeouts, dock=0.5)
+    timeouts = dataclasses.replace(SequenceParameters().timeouts, detect=0.5)
     world.sequence.tune(SequenceParameters(timeouts=timeouts))
     world.sequence.start_dock(world.now)
     result = world.run(5.0).result
-    assert result is not None and result.code is ResultCode.TIMEOUT
-    assert world.sequence.active is False
+    assert result is not None and result.code is ResultCode.FAILED_TO_DETECT_DOCK
+    assert world.now < 12.0, "after half a second, not after ten"
 
 
 def core(controller: DockingController) -> SimpleNamespace:

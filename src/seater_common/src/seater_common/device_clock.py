@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import deque
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+Point = tuple[float, float]
 
 _BIN = 1.0  # [s] of which the fastest arrival is kept
 _BINS = 60  # that are kept: drift changes with temperature, within minutes
@@ -33,7 +31,7 @@ class DeviceClock:
         self._begin()
 
     def _begin(self) -> None:
-        self._points: deque[tuple[float, float]] = deque(maxlen=_BINS)  # device time, arrival - device time
+        self._points: deque[Point] = deque(maxlen=_BINS)  # device time, arrival - device time
         self._bin, self._wraps = -math.inf, 0.0
         self._last, self._late = -math.inf, 0
         self._slope, self._offset = 0.0, math.nan  # arrival - device time = slope * (device time - origin) + offset
@@ -57,8 +55,7 @@ class DeviceClock:
             self.restarts += 1
             time = device
         self._last = time
-        self._add(time, arrival)
-        self._fit()
+        self._add(time, arrival - time)
         return min(self._line(time), arrival)
 
     def _unwrapped(self, device: float) -> float:
@@ -75,37 +72,42 @@ class DeviceClock:
         self._late = self._late + 1 if delay > _JUMP else 0
         return time < self._last or delay < -_JUMP or self._late >= _SETTLED
 
-    def _add(self, time: float, arrival: float) -> None:
+    def _add(self, time: float, difference: float) -> None:
+        """`difference`: arrival - device time [s]. The slope is fitted once per bin, the line is lowered at once."""
         if not self._points:
             self._origin = time
-        point = (time, arrival - time)
-        if math.floor(time / _BIN) != self._bin:
+        begins = math.floor(time / _BIN) != self._bin
+        if begins:
             self._bin = math.floor(time / _BIN)
-            self._points.append(point)
-        elif point[1] < self._points[-1][1]:
-            self._points[-1] = point
+            self._points.append((time, difference))
+        elif difference < self._points[-1][1]:
+            self._points[-1] = (time, difference)
+        if begins:
+            self._fit()
+        else:
+            self._offset = min(self._offset, difference - self._slope * (time - self._origin))
 
     def _fit(self) -> None:
-        x, y = np.array(self._points).T
-        self._slope = _lower_slope(x, y) if len(x) >= _SHORT else 0.0
-        self._slope = float(np.clip(self._slope, -_MAX_DRIFT, _MAX_DRIFT))
-        self._offset = float(np.min(y - self._slope * (x - self._origin)))
+        points = list(self._points)
+        slope = _lower_slope(points) if len(points) >= _SHORT else 0.0
+        self._slope = min(max(slope, -_MAX_DRIFT), _MAX_DRIFT)
+        self._offset = min(y - self._slope * (x - self._origin) for x, y in points)
 
     def _line(self, time: float) -> float:
         return time + self._slope * (time - self._origin) + self._offset
 
 
-def _lower_slope(x: Array, y: Array) -> float:
-    """Of the lower convex hull's edge below the mean of x (ascending)."""
-    hull: list[int] = []
-    for i in range(len(x)):
-        while len(hull) > 1 and _turns_right(x, y, hull[-2], hull[-1], i):
+def _lower_slope(points: list[Point]) -> float:
+    """Of the lower convex hull's edge below the mean of x; points (x, y) in ascending order of x."""
+    hull: list[Point] = []
+    for point in points:
+        while len(hull) > 1 and _turns_right(hull[-2], hull[-1], point):
             hull.pop()
-        hull.append(i)
-    right = int(np.searchsorted(x[hull], x.mean()))
-    a, b = hull[right - 1], hull[right]
-    return float((y[b] - y[a]) / (x[b] - x[a]))
+        hull.append(point)
+    mean = sum(x for x, _ in points) / len(points)
+    a, b = next((a, b) for a, b in itertools.pairwise(hull) if b[0] >= mean)
+    return (b[1] - a[1]) / (b[0] - a[0])
 
 
-def _turns_right(x: Array, y: Array, a: int, b: int, c: int) -> bool:
-    return bool((x[b] - x[a]) * (y[c] - y[a]) <= (y[b] - y[a]) * (x[c] - x[a]))
+def _turns_right(a: Point, b: Point, c: Point) -> bool:
+    return (b[0] - a[0]) * (c[1] - a[1]) <= (b[1] - a[1]) * (c[0] - a[0])
