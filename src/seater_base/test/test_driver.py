@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from seater_base.driver import Driver
-from seater_base.firmware import Firmware, SimulatedBase
+from seater_base.firmware import FASTER, Firmware, SimulatedBase
 from seater_base.odometry import Driven
 from seater_base.protocol import Command, encode
 from seater_base.settings import BaseSettings
@@ -36,15 +36,27 @@ class Pair:
         self.driver = Driver(replace(SETTINGS, port=self.base.path), self.driven.append)
         self.driver.start()
 
-    def tell(self, seconds: float, v: float = 0.3, *, power: bool = True, velocity: bool = True) -> None:
-        """As gate and docking node do, 50 times per second."""
+    def tell(
+        self,
+        seconds: float,
+        *,
+        power: bool = True,
+        velocity: bool = True,
+        until: Callable[[], bool] = lambda: False,
+    ) -> None:
+        """As the gate does, 50 times per second."""
         end = time.monotonic() + seconds
-        while time.monotonic() < end:
+        while time.monotonic() < end and not until():
             if power:
                 self.driver.power(True)
             if velocity:
-                self.driver.velocity(v, 0.0, "gate")
+                self.driver.velocity(0.3, 0.0, "gate")
             time.sleep(0.02)
+
+    def drive(self) -> None:
+        """Until it has the speed that it is told."""
+        self.tell(10.0, until=lambda: self.speed > 0.299)
+        assert self.speed == pytest.approx(0.3, abs=1e-3)
 
     @property
     def speed(self) -> float:
@@ -64,30 +76,30 @@ def test_the_shipped_file_holds_the_defaults() -> None:
 
 
 def test_drives_and_tells_where_it_is(pair: Pair) -> None:
-    pair.tell(1.5)
-    assert pair.speed == pytest.approx(0.3, abs=0.01)
+    pair.drive()
+    pair.tell(10.0, until=lambda: abs(pair.driven[-1].v - 0.3) < 0.01)
     assert pair.driver.identity is not None and pair.driver.identity.name == "simulated"
-    last = pair.driven[-1]
-    assert last.v == pytest.approx(0.3, abs=0.03)
-    assert last.pose[0] == pytest.approx(pair.base.firmware._ways[0], abs=0.05)
-    assert 0.0 <= time.monotonic() - last.time < 0.2
+    now, last = time.monotonic(), pair.driven[-1]
+    assert abs(last.v - 0.3) < 0.01
+    assert last.pose[0] == pytest.approx(0.3 * 0.3 / (2.0 * FASTER) + 0.1, abs=0.2)  # the way to this speed, and some
+    assert 0.0 <= now - last.time < 0.5
     assert pair.driver.damaged == 0
 
 
 def test_silence_of_cmd_vel_stops(pair: Pair) -> None:
-    pair.tell(1.0)
+    pair.drive()
     pair.tell(0.8, velocity=False)  # 0.3 s of silence, 0.2 s of braking, and a loaded machine
     assert pair.speed == 0.0 and pair.base.firmware.power
 
 
 def test_silence_of_motor_enable_takes_the_power(pair: Pair) -> None:
-    pair.tell(1.0)
+    pair.drive()
     pair.tell(0.8, power=False)
     assert pair.speed == 0.0 and not pair.base.firmware.power
 
 
 def test_a_cable_that_breaks_stops_the_base_by_itself(pair: Pair) -> None:
-    pair.tell(1.0)
+    pair.drive()
     pair.base.deaf = True
     pair.tell(0.8)
     assert pair.speed == 0.0 and not pair.base.firmware.power
@@ -96,8 +108,7 @@ def test_a_cable_that_breaks_stops_the_base_by_itself(pair: Pair) -> None:
 def test_the_end_of_the_driver_takes_the_power() -> None:
     made = Pair()
     wait(lambda: made.driver.trouble == "")
-    made.tell(0.5)
-    assert made.base.firmware.power
+    made.drive()
     made.driver.stop()
     assert wait(lambda: not made.base.firmware.power) < 0.25, "told, not by silence"
     made.base.close()
