@@ -88,6 +88,7 @@ class BaseDriver(unittest.TestCase):
         self.assertTrue(wait(lambda: bool(self.odometry)), "no odometry")
         self.assertTrue(wait(lambda: self.command.get_num_connections() > 0 and self.enable.get_num_connections() > 0))
         self.drive()
+        self.tell(10.0, until=lambda: "drives as it is told" in self.said)
         self.tell(2.0 * SILENCE + 0.2, command=False)
         self.assertEqual(self.speed, 0.0)
         self.assertTrue(self.firmware.power)
