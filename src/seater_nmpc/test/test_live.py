@@ -72,9 +72,8 @@ def test_while_a_goal_is_active_speeds_may_fall_and_nothing_else(change: dict[st
     assert refusal(VALUES, after, driving=False) == ""
 
 
-@pytest.mark.parametrize("cap", [0.3, 0.1])
-def test_a_speed_that_falls_on_the_way_slows_down_without_a_step_and_docks(make_world, quick_controller, cap) -> None:
-    world = started(make_world((-2.5, 0.5, -10.0)))
+def test_a_speed_that_falls_on_the_way_slows_down_without_a_step_and_docks(make_world, quick_controller) -> None:
+    cap, world = 0.2, started(make_world((-2.5, 0.5, -10.0)))
 
     def fast(step: Step) -> bool:
         return step.command.v > 0.45
@@ -162,3 +161,30 @@ def test_dynamic_reconfigure_reads_the_description() -> None:
     found = {p["name"]: p for p in encoding.extract_params(decoded)}
     assert (found["hold_position"]["min"], found["hold_position"]["max"]) == (0.0001, 0.1)
     assert found["max_moves"]["type"] == "int" and found["weight_x"]["type"] == "double"
+
+
+def test_a_refused_change_leaves_all_as_it_was_and_says_why(quick_controller, monkeypatch) -> None:
+    pytest.importorskip("dynamic_reconfigure.server")
+    from seater_nmpc.ros.live import server as module
+
+    silent = lambda *_, **__: None  # noqa: E731
+    monkeypatch.setattr(module, "Server", silent)
+    monkeypatch.setattr(module, "rospy", SimpleNamespace(has_param=lambda _: False, logwarn=silent, loginfo=silent))
+    refused = ["a goal has begun meanwhile"]
+    live = module.LiveParameters(
+        lambda: [core(quick_controller)], lambda work: refused.pop() if refused else work(), lambda: False
+    )
+    for change, why in (
+        ({"v_max": 0.3}, "meanwhile"),
+        ({"v_max": math.nan}, "v_max"),
+        ({"weight_x": -1.0}, "weights/x"),
+    ):
+        answered = live._on_change(VALUES | {"hold_heading": 0.008} | change, 0)
+        assert {name: answered[name] for name in VALUES} == VALUES
+        assert why in answered["answer"]
+    try:
+        answered = live._on_change(VALUES | {"v_max": 0.3}, 0)
+        assert (answered["v_max"], answered["answer"]) == (0.3, "")
+        assert quick_controller._cap == (0.3, Limits().omega_max)
+    finally:
+        quick_controller.set_cap()
