@@ -37,6 +37,7 @@ class V4l2Source:
         self._device, self._format, self._make = settings.device or "/dev/video0", settings.format, capture
         self.name = f"V4L2 camera {self._device}"
         self._capture: Any = None
+        self._clock: Clock | None = None  # of this connection
 
     def open(self) -> None:
         """Raises SourceError: it cannot be had, or not with these settings."""
@@ -45,7 +46,7 @@ class V4l2Source:
         if not capture.isOpened():
             capture.release()
             raise SourceError(f"{self._device}: {_why_not(self._device)}")
-        self._capture = capture
+        self._capture, self._clock = capture, None
         wanted = self._format
         if wanted.pixels != "any":
             capture.set(cv2.CAP_PROP_FOURCC, cv2.VideoWriter.fourcc(*wanted.pixels))
@@ -70,7 +71,9 @@ class V4l2Source:
         if not good or image is None or image.size == 0:
             raise SourceError(f"{self._device} gives no more images: {_why_not(self._device)}")
         seconds = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1e3
-        return Frame(image, seconds, _clock_of(seconds, arrival), arrival)
+        if self._clock is None:  # by the first image, which is new; a later one may have waited for long
+            self._clock = _clock_of(seconds, arrival)
+        return Frame(image, seconds, self._clock, arrival)
 
     def close(self) -> None:
         """Release the device."""

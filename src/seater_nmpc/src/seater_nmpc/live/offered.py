@@ -51,9 +51,7 @@ class Offered:
 def offered(parameters: NmpcParameters, limits: Limits) -> list[Offered]:
     """All, as configured. A speed may be what the chair's file says at most; it holds both ways."""
     fastest = replace(limits, v_max=max(limits.v_max, limits.v_reverse_max))
-    speeds = [
-        dataclasses.replace(entry, high=entry.default) for entry in _entries(fastest, SPEEDS, "speeds, both ways", "")
-    ]
+    speeds = [replace(entry, high=entry.default) for entry in _entries(fastest, SPEEDS, "speeds, both ways", "")]
     weights = [field.name for field in dataclasses.fields(Weights)]
     return [
         *speeds,
