@@ -94,3 +94,21 @@ def test_two_who_command_brake() -> None:
 def test_more_than_the_limits_is_cut_off() -> None:
     request = driving(v=-9.0, omega=9.0).request(1.01)
     assert (request.v, request.omega) == (-SETTINGS.v_max, SETTINGS.omega_max)
+
+
+def test_after_the_emergency_stop_of_the_base_zero_has_to_be_commanded_once() -> None:
+    made = driving()
+    made.emergency_stop(True)
+    request = made.request(1.01)
+    assert (request.v, request.power) == (0.0, False) and "pressed" in request.why
+    made.velocity(0.0, 0.0, "gate", 1.02)  # while it is pressed: counts for nothing
+    made.emergency_stop(False)
+    for now in np.arange(1.04, 1.5, STEP):
+        made.power(True, now)
+        made.velocity(0.5, 0.0, "gate", now)
+        request = made.request(now + 1e-3)
+        assert request.v == 0.0
+    assert request.power and "zero has not been commanded" in request.why
+    made.velocity(0.0, 0.0, "gate", 1.5)
+    made.velocity(0.5, 0.0, "gate", 1.52)
+    assert made.request(1.53).v == 0.5

@@ -10,7 +10,7 @@ import pytest
 from seater_base.driver import Driver
 from seater_base.firmware import FASTER, Firmware, SimulatedBase
 from seater_base.odometry import Driven
-from seater_base.protocol import Command, encode
+from seater_base.protocol import Command, Flags, encode
 from seater_base.settings import BaseSettings
 from seater_common.params import load, read_yaml
 
@@ -134,6 +134,21 @@ def test_a_base_of_another_protocol_is_not_driven() -> None:
     made.base.close()
 
 
+def test_the_button_of_the_base_stops_and_letting_it_go_drives_nothing(pair: Pair) -> None:
+    pair.drive()
+    pair.base.firmware.emergency_stop = True
+    pair.tell(5.0, until=lambda: pair.speed == 0.0)
+    assert pair.speed == 0.0 and not pair.base.firmware.power
+    assert Flags.EMERGENCY_STOP in pair.driver.flags and "pressed" in pair.driver.request.why
+    pair.base.firmware.emergency_stop = False
+    pair.tell(0.5)
+    assert pair.speed == 0.0
+    pair.driver.velocity(0.0, 0.0, "gate")
+    wait(lambda: pair.driver.request.v == 0.0)
+    pair.tell(5.0, until=lambda: pair.driver.request.why == "" and pair.speed > 0.2)
+    assert pair.speed > 0.2
+
+
 def test_no_port_says_what_to_do() -> None:
     driver = Driver(replace(SETTINGS, port="/dev/no_such_port"), lambda driven: None)
     driver.start()
@@ -154,3 +169,23 @@ def test_the_firmware_takes_no_command_twice_and_none_with_the_power() -> None:
     firmware.receive(encode(Command(3, 0.5, 0.0, True).text()))
     firmware.step(1.04)
     assert firmware.speeds[0] > 0.0
+
+
+def test_the_firmware_does_not_drive_on_when_its_button_is_let_go() -> None:
+    firmware, now = Firmware(SETTINGS.wheels), 0.0
+
+    def command(v: float, times: int = 10) -> float:
+        nonlocal now
+        for _ in range(times):
+            now += 0.02
+            firmware.receive(encode(Command(round(now / 0.02), v, 0.0, True).text()))
+            firmware.step(now)
+        return firmware.speeds[0]
+
+    assert command(0.2, 30) > 0.1
+    firmware.emergency_stop = True
+    assert command(0.2) == 0.0
+    firmware.emergency_stop = False
+    assert command(0.2) == 0.0
+    assert command(0.0, 2) == 0.0
+    assert command(0.2) > 0.0

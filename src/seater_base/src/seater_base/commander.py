@@ -21,7 +21,8 @@ class Request:
 class Commander:
     """All times [s] by the steady clock. Silence, or two who command, brake; without `motor_enable` there is no power.
 
-    A command that came while the power was off never counts.
+    A command that came while the power was off never counts. After an emergency stop of the base somebody has to
+    command zero once: what was driving does not drive on when the button is let go.
     """
 
     def __init__(self, settings: BaseSettings) -> None:
@@ -30,6 +31,7 @@ class Commander:
         self._senders: dict[str, float] = {}  # who commanded when last
         self._on, self._power_heard = False, -math.inf
         self._powered_since = math.inf
+        self._pressed, self._let_go = False, True  # the base's emergency stop; zero was commanded since
         self._sent, self._sent_at = (0.0, 0.0), -math.inf
 
     def velocity(self, v: float, omega: float, sender: str, now: float) -> None:
@@ -39,10 +41,16 @@ class Commander:
             s = self._settings
             self._velocity = _within(v, s.v_max), _within(omega, s.omega_max)
             self._heard = now
+            self._let_go = self._let_go or (not self._pressed and self._velocity == (0.0, 0.0))
 
     def power(self, on: bool, now: float) -> None:
         """A message on motor_enable."""
         self._on, self._power_heard = on, now
+
+    def emergency_stop(self, pressed: bool) -> None:
+        """What the base says of its button."""
+        self._pressed = pressed
+        self._let_go = self._let_go and not pressed
 
     def request(self, now: float) -> Request:
         """To be sent at `now`; call it `rate` times per second."""
@@ -61,13 +69,17 @@ class Commander:
             return "motor_enable has never been heard of"
         if now - self._power_heard > self._settings.silence:
             return "motor_enable is silent"
-        return "" if self._on else "motor_enable is false"
+        if not self._on:
+            return "motor_enable is false"
+        return "the emergency stop of the base is pressed" if self._pressed else ""
 
     def _no_command(self, now: float) -> str:
         silence = self._settings.silence
         recent = sorted(sender for sender, at in self._senders.items() if now - at <= silence)
         if len(recent) > 1:
             return f"two command: {', '.join(recent)}"
+        if not self._let_go:
+            return "zero has not been commanded since the emergency stop of the base"
         if self._heard <= self._powered_since:
             return "no command since the power is on"
         return "cmd_vel is silent, or not finite" if now - self._heard > silence else ""

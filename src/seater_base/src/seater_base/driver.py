@@ -19,7 +19,8 @@ _ZEROS = 3  # commands of zero, without power, at the end
 
 
 class Driver:
-    """`velocity` and `power` may be called from any thread; `on_driven` is called in the listening one.
+    """`velocity` and `power` may be called from any thread; `on_driven` and, with every reading, `on_flags` are called
+    in the listening one.
 
     `on_failure` hears of what nobody has thought of: that thread has ended then, and the base stops by itself.
     """
@@ -29,8 +30,9 @@ class Driver:
         settings: BaseSettings,
         on_driven: Callable[[Driven], None],
         on_failure: Callable[[Exception], None] = lambda error: None,
+        on_flags: Callable[[Flags], None] = lambda flags: None,
     ) -> None:
-        self._settings, self._on_driven, self._on_failure = settings, on_driven, on_failure
+        self._settings, self._on_driven, self._on_failure, self._on_flags = settings, on_driven, on_failure, on_flags
         self.commander, self.odometry = Commander(settings), WheelOdometry(settings)
         self._telling = threading.Lock()  # of the commander
         self._port: Port | None = None
@@ -142,6 +144,9 @@ class Driver:
             self.trouble = f"the base speaks protocol {message.version}, not {VERSION}" if other else ""
         if isinstance(message, Reading) and self._understood:
             self.flags, self.heard, self.trouble = message.flags, now, ""
+            with self._telling:
+                self.commander.emergency_stop(bool(message.flags & Flags.EMERGENCY_STOP))
+            self._on_flags(message.flags)
             driven = self.odometry.add(message, now)
             if driven is not None:
                 self._on_driven(driven)

@@ -30,6 +30,8 @@ class Firmware:
         self._ways = [0.0, 0.0]  # [m]
         self._heard, self._sequence = -math.inf, -1
         self.power = False
+        self.emergency_stop = False  # the button
+        self._let_go = True  # zero was commanded since it was pressed
         self._said, self._now = -math.inf, 0.0
         self._out = [encode(self._identity.text())]
 
@@ -45,14 +47,17 @@ class Firmware:
         """What comes with the power, or without it, moves nothing yet."""
         self._heard, self._sequence = self._now, command.sequence
         had_power, self.power = self.power, command.power
+        self._let_go = self._let_go or (not self.emergency_stop and command.v == command.omega == 0.0)
         half = 0.5 * self._wheels.separation * command.omega
-        drives = had_power and self.power
+        drives = had_power and self.power and self._let_go
         self._wanted = [command.v - half, command.v + half] if drives else [0.0, 0.0]
 
     def step(self, now: float) -> bytes:
         """Drive until `now`; returns what is to be sent."""
         elapsed, self._now = now - self._now, now
         silent = now - self._heard > SILENCE
+        if self.emergency_stop:
+            self.power = self._let_go = False
         if silent:
             self._wanted = [0.0, 0.0]
             self.power = self.power and any(self.speeds)
@@ -75,7 +80,8 @@ class Firmware:
     def _reading(self, silent: bool) -> Reading:
         counts = (self._ways[0] * self._wheels.left_counts, self._ways[1] * self._wheels.right_counts)
         left, right = ((round(count) + _WORD // 2) % _WORD - _WORD // 2 for count in counts)
-        flags = (Flags.POWER if self.power else Flags(0)) | (Flags.SILENT if silent else Flags(0))
+        states = {Flags.POWER: self.power, Flags.SILENT: silent, Flags.EMERGENCY_STOP: self.emergency_stop}
+        flags = Flags(sum(flag for flag, on in states.items() if on))
         return Reading(int(1e3 * self._now) % _WORD, left, right, flags)
 
 

@@ -22,7 +22,8 @@ from seater_common.params import ParameterError, load
 
 
 class BaseNode:
-    """Private parameters: ~base (config/base.yaml), ~port (in place of the file's), ~odom_frame, ~base_frame.
+    """Private parameters: ~base (config/base.yaml), ~port (in place of the file's), ~odom_frame, ~base_frame,
+    ~emergency_stop (bool: publish the base's own button).
 
     Commands, time-outs and the port need no ROS master.
     """
@@ -41,7 +42,9 @@ class BaseNode:
         self._stamp = rospy.Time()
         self._odometry = rospy.Publisher("odom", Odometry, queue_size=10, tcp_nodelay=True)
         self._tf = tf2_ros.TransformBroadcaster()
-        self._driver = Driver(settings, self._on_driven, self._on_failure)
+        button = bool(rospy.get_param("~emergency_stop", False))
+        self._button = rospy.Publisher("emergency_stop", Bool, queue_size=1, tcp_nodelay=True) if button else None
+        self._driver = Driver(settings, self._on_driven, self._on_failure, self._on_flags)
         self._updater = diagnostic_updater.Updater()
         self._updater.setHardwareID(settings.port)
         self._updater.add("base", self._write)
@@ -54,6 +57,10 @@ class BaseNode:
     def _on_command(self, message: Twist) -> None:
         sender = str(message._connection_header["callerid"])
         self._driver.velocity(message.linear.x, message.angular.z, sender)
+
+    def _on_flags(self, flags: Flags) -> None:
+        if self._button is not None:
+            self._button.publish(bool(flags & Flags.EMERGENCY_STOP))
 
     def _on_driven(self, driven: Driven) -> None:
         stamp = rospy.Time.from_sec(max(0.0, driven.time + rospy.Time.now().to_sec() - time.monotonic()))
