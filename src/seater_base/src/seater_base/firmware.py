@@ -65,7 +65,7 @@ class Firmware:
             self.speeds[i] = self._toward(self.speeds[i], self._wanted[i], elapsed)
             self._ways[i] += self.speeds[i] * elapsed
         if now - self._said >= PERIOD:
-            self._said = now
+            self._said = max(self._said + PERIOD, now - PERIOD)  # no drift of the rate
             self._out.append(encode(self._reading(silent).text()))
         out, self._out = b"".join(self._out), []
         return out
