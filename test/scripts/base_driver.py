@@ -62,7 +62,8 @@ class BaseDriver(unittest.TestCase):
         return max(abs(speed) for speed in self.firmware.speeds)
 
     def drive(self) -> None:
-        """Until it has the speed that it is told."""
+        """From zero until it has the speed that it is told."""
+        self.tell(0.2, v=0.0)
         self.tell(20.0, until=lambda: self.speed > 0.199)
         self.assertAlmostEqual(self.speed, 0.2, delta=1e-3)
 
@@ -70,12 +71,13 @@ class BaseDriver(unittest.TestCase):
         self,
         seconds: float,
         *,
+        v: float = 0.2,
         command: bool = True,
         enable: bool = True,
         until: Callable[[], bool] = lambda: False,
     ) -> None:
         message = Twist()
-        message.linear.x = 0.2
+        message.linear.x = v
         end = time.monotonic() + seconds
         while time.monotonic() < end and not until():
             if command:

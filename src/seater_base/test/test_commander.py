@@ -112,3 +112,12 @@ def test_after_the_emergency_stop_of_the_base_zero_has_to_be_commanded_once() ->
     made.velocity(0.0, 0.0, "gate", 1.5)
     made.velocity(0.5, 0.0, "gate", 1.52)
     assert made.request(1.53).v == 0.5
+
+
+def test_a_base_that_was_started_waits_for_zero() -> None:
+    made = driving()
+    made.base_started()
+    assert made.request(1.01).v < 0.5
+    made.velocity(0.0, 0.0, "gate", 1.02)
+    made.velocity(0.4, 0.0, "gate", 1.04)
+    assert made.request(1.05).v == 0.4

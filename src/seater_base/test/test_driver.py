@@ -40,6 +40,7 @@ class Pair:
         self,
         seconds: float,
         *,
+        v: float = 0.3,
         power: bool = True,
         velocity: bool = True,
         until: Callable[[], bool] = lambda: False,
@@ -50,11 +51,12 @@ class Pair:
             if power:
                 self.driver.power(True)
             if velocity:
-                self.driver.velocity(0.3, 0.0, "gate")
+                self.driver.velocity(v, 0.0, "gate")
             time.sleep(0.02)
 
     def drive(self) -> None:
-        """Until it has the speed that it is told."""
+        """From zero until it has the speed that it is told."""
+        self.tell(10.0, until=lambda: not self.driver.request.why, v=0.0)
         self.tell(10.0, until=lambda: self.speed > 0.299)
         assert self.speed == pytest.approx(0.3, abs=1e-3)
 
@@ -125,6 +127,14 @@ def test_unplugged_is_said_and_no_way_is_made_up(pair: Pair) -> None:
     pair.base.close()
 
 
+def test_a_base_that_starts_anew_does_not_drive_on(pair: Pair) -> None:
+    pair.drive()
+    pair.base.firmware = Firmware(SETTINGS.wheels)
+    pair.tell(1.0)
+    assert pair.speed == 0.0 and "since the base was started" in pair.driver.request.why
+    pair.drive()
+
+
 def test_a_base_of_another_protocol_is_not_driven() -> None:
     made = Pair(Firmware(SETTINGS.wheels, version=9))
     wait(lambda: "protocol 9, not 1" in made.driver.trouble)
@@ -143,10 +153,7 @@ def test_the_button_of_the_base_stops_and_letting_it_go_drives_nothing(pair: Pai
     pair.base.firmware.emergency_stop = False
     pair.tell(0.5)
     assert pair.speed == 0.0
-    pair.driver.velocity(0.0, 0.0, "gate")
-    wait(lambda: pair.driver.request.v == 0.0)
-    pair.tell(5.0, until=lambda: pair.driver.request.why == "" and pair.speed > 0.2)
-    assert pair.speed > 0.2
+    pair.drive()
 
 
 def test_no_port_says_what_to_do() -> None:
@@ -159,6 +166,7 @@ def test_no_port_says_what_to_do() -> None:
 def test_the_firmware_takes_no_command_twice_and_none_with_the_power() -> None:
     firmware = Firmware(SETTINGS.wheels)
     line = encode(Command(1, 0.5, 0.0, True).text())
+    firmware.receive(encode(Command(0, 0.0, 0.0, False).text()))
     for k in range(50):  # the same line again and again, as a buffer that is stuck
         firmware.receive(line)
         firmware.step(0.02 * k)
@@ -182,6 +190,8 @@ def test_the_firmware_does_not_drive_on_when_its_button_is_let_go() -> None:
             firmware.step(now)
         return firmware.speeds[0]
 
+    assert command(0.2) == 0.0, "nor when it has just been started"
+    assert command(0.0, 2) == 0.0
     assert command(0.2, 30) > 0.1
     firmware.emergency_stop = True
     assert command(0.2) == 0.0

@@ -21,8 +21,8 @@ class Request:
 class Commander:
     """All times [s] by the steady clock. Silence, or two who command, brake; without `motor_enable` there is no power.
 
-    A command that came while the power was off never counts. After an emergency stop of the base somebody has to
-    command zero once: what was driving does not drive on when the button is let go.
+    A command that came while the power was off never counts. After an emergency stop of the base, and after its start,
+    somebody has to command zero once: what was driving does not drive on.
     """
 
     def __init__(self, settings: BaseSettings) -> None:
@@ -31,7 +31,7 @@ class Commander:
         self._senders: dict[str, float] = {}  # who commanded when last
         self._on, self._power_heard = False, -math.inf
         self._powered_since = math.inf
-        self._pressed, self._let_go = False, True  # the base's emergency stop; zero was commanded since
+        self._pressed, self._let_go = False, True  # the base's button; zero was commanded since
         self._sent, self._sent_at = (0.0, 0.0), -math.inf
 
     def velocity(self, v: float, omega: float, sender: str, now: float) -> None:
@@ -51,6 +51,10 @@ class Commander:
         """What the base says of its button."""
         self._pressed = pressed
         self._let_go = self._let_go and not pressed
+
+    def base_started(self) -> None:
+        """It was plugged in, or has started anew."""
+        self._let_go = False
 
     def request(self, now: float) -> Request:
         """To be sent at `now`; call it `rate` times per second."""
@@ -79,7 +83,7 @@ class Commander:
         if len(recent) > 1:
             return f"two command: {', '.join(recent)}"
         if not self._let_go:
-            return "zero has not been commanded since the emergency stop of the base"
+            return "zero has not been commanded since the base was started, or its emergency stop pressed"
         if self._heard <= self._powered_since:
             return "no command since the power is on"
         return "cmd_vel is silent, or not finite" if now - self._heard > silence else ""

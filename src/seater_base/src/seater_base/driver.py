@@ -139,6 +139,8 @@ class Driver:
     def _take(self, message: Message, now: float) -> None:
         if isinstance(message, Identity):  # it has started, too, perhaps: its counts begin anew
             self.identity = message
+            with self._telling:
+                self.commander.base_started()
             self.odometry.disconnected()
             other = message.version != VERSION
             self.trouble = f"the base speaks protocol {message.version}, not {VERSION}" if other else ""

@@ -31,7 +31,7 @@ class Firmware:
         self._heard, self._sequence = -math.inf, -1
         self.power = False
         self.emergency_stop = False  # the button
-        self._let_go = True  # zero was commanded since it was pressed
+        self._let_go = False  # zero was commanded since it was pressed, and since the start
         self._said, self._now = -math.inf, 0.0
         self._out = [encode(self._identity.text())]
 
