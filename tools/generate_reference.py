@@ -24,6 +24,8 @@ from typing import Any
 
 import yaml
 
+from seater_base.settings import BaseSettings
+from seater_camera.settings import CameraSettings
 from seater_common.geometry import Chair, Dock
 from seater_eval.perception.images.degraded_camera import RANGES
 from seater_identify.settings import IdentifySettings
@@ -143,6 +145,8 @@ def write_page() -> str:
         ("perception.yaml", perception_groups()),
         ("identify.yaml", list(groups_of_dataclass(IdentifySettings, IdentifySettings()))),
         ("safety.yaml", [gate_group()]),
+        ("base.yaml", list(groups_of_dataclass(BaseSettings, BaseSettings()))),
+        ("camera.yaml", list(groups_of_dataclass(CameraSettings, CameraSettings()))),
         ("obstacles.yaml", list(groups_of_dataclass(ObstacleSettings, ObstacleSettings()))),
         ("simulator.yaml", list(groups_of_dataclass(SimulatorSettings, SimulatorSettings()))),
         ("cameras/degraded.yaml", [group_of_comments(config / "cameras" / "degraded.yaml", RANGES)]),

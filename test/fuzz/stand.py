@@ -20,6 +20,7 @@ from actionlib_msgs.msg import GoalStatus
 
 from seater_msgs.srv import GateArmResponse
 from seater_nmpc.ros import node as node_module
+from seater_nmpc.ros.live import server as live_module
 from seater_nmpc.ros.node import DockingNode
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
@@ -107,6 +108,7 @@ class Stand:
                 "on_shutdown": silent, "Timer": silent,
                 "get_param": lambda name, default=None: values.get(name, default),
                 "resolve_name": lambda name: name, "get_name": lambda: "/docking", "loginfo": silent,
+                "has_param": lambda name: name in values,
                 "logwarn": silent, "logwarn_throttle": silent,
                 "logerr_throttle": lambda _, text, *words: self.errors.append(text % words),
             },
@@ -114,6 +116,7 @@ class Stand:
             rosgraph.masterapi: {"Master": lambda _: SimpleNamespace(lookupService=silent)},
             actionlib: {"ActionServer": server},
             diagnostic_updater: {"Updater": Updater},
+            live_module: {"Server": silent},
             node_module: {"threading": SimpleNamespace(Thread=lambda **_: SimpleNamespace(start=silent))},
         }  # fmt: skip
         for module, changes in replaced.items():

@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
-"""The goal is cancelled while the chair drives: it stands, and stays standing."""
+"""The goal is cancelled while the chair drives: it stands, and stays standing. Then live parameters, by Debian's client
+of dynamic_reconfigure: between two goals, and in the middle of one."""
 
 import sys
+from typing import Any
 
 import rostest
+from dynamic_reconfigure.client import Client
 from seater_test.harness import DockingCase
 
 from seater_msgs.msg import DockResult
@@ -21,6 +24,33 @@ class Cancel(DockingCase):
         where = self.truth[-1][1:4]
         self.let_pass(1.0)
         self.assertEqual(where, self.truth[-1][1:4])
+
+    def test_live_parameters(self) -> None:
+        client = Client("/docking/live", timeout=60.0)
+
+        def ask(**changes: Any) -> str:
+            """The answer; empty when they were made, and nothing has changed otherwise."""
+            before = client.get_configuration()
+            after = client.update_configuration(changes)
+            for name, value in changes.items():
+                self.assertEqual(after[name], before[name] if after["answer"] else value)
+            return str(after["answer"])
+
+        self.assertEqual(ask(hold_position=0.002, weight_speed=0.2), "")
+        self.assertIn("hold_position", ask(hold_position=0.05, weight_speed=0.3))  # the dock's tolerance is 0.01
+        self.start()
+        self.wait(lambda: bool(self.commands) and self.commands[-1][1] > 0.2, "the chair to drive")
+        self.assertIn("between two goals only", ask(hold_position=0.003))
+        self.assertEqual(ask(v_max=0.1), "")
+        self.assertIn("only be lowered", ask(v_max=0.5))
+        self.let_pass(3.0)
+        slow = [v for t, v, _ in self.commands if t > self.commands[-1][0] - 1.0]
+        self.assertLess(max(slow), 0.11)
+        self.assertGreater(max(slow), 0.05, "it goes on")
+        self.client.cancel()
+        self.assertEqual(self.result().result_code, DockResult.CANCELED)
+        self.assertEqual(ask(v_max=0.6), "")
+        self.assert_standing()
 
 
 if __name__ == "__main__":

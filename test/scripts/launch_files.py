@@ -7,6 +7,7 @@ from pathlib import Path
 
 import rospkg
 import rostest
+from roslaunch import RLException
 from roslaunch.config import ROSLaunchConfig, load_config_default
 
 LAUNCH = Path(rospkg.RosPack().get_path("seater_bringup")) / "launch"
@@ -60,6 +61,27 @@ class LaunchFiles(unittest.TestCase):
         values = parameters("wheelchair.launch", f"camera_file:={file}", "rectified:=true")
         self.assertEqual(values["/docking/camera/image_width"], 1280)
         self.assertIs(values["/docking/rectified"], True)
+
+    def test_a_camera_of_ours_where_it_is_asked_for(self) -> None:
+        file = str(Path(rospkg.RosPack().get_path("seater_config")) / "cameras" / "d455.yaml")
+        self.assertEqual(nodes("wheelchair.launch", "camera:=v4l2") - nodes("wheelchair.launch"), {"/camera"})
+        values = parameters("wheelchair.launch", "camera:=realsense", f"camera_file:={file}", "optical_frame:=eye")
+        self.assertEqual((values["/camera/source"], values["/camera/frame"]), ("realsense", "eye"))
+        self.assertEqual(values["/camera/calibration/image_width"], 1280)
+        self.assertEqual(values["/camera/settings/format/rate"], 30)
+        self.assertNotIn("/camera/calibration/image_width", parameters("camera.launch", "source:=v4l2"))
+        (camera,) = (node for node in resolve("wheelchair.launch", "camera:=v4l2").nodes if node.name == "camera")
+        self.assertIn(["camera_info", "camera/color/camera_info"], [list(pair) for pair in camera.remap_args])
+
+    def test_a_recording_does_not_drive_the_chair(self) -> None:
+        with self.assertRaises(RLException):
+            nodes("wheelchair.launch", "camera:=recorded")
+
+    def test_the_base_driver(self) -> None:
+        self.assertEqual(nodes("base.launch"), {"/base"})
+        self.assertNotIn("/base/port", parameters("base.launch"))
+        self.assertEqual(parameters("base.launch", "port:=/dev/ttyUSB3")["/base/port"], "/dev/ttyUSB3")
+        self.assertEqual(parameters("base.launch")["/base/base/silence"], 0.3)
 
     def test_panel_and_rviz(self) -> None:
         watching = nodes("wheelchair.launch", "panel:=true", "rviz:=true") - nodes("wheelchair.launch")

@@ -87,6 +87,7 @@ class DockingController:
         self._acts_at = np.zeros(3)  # base_link in the dock's frame where the next command begins to act
         self._obstacles: list[Array] = []
         self.set_speed_limit()
+        self.set_cap()
         self.reset()
 
     def reset(self) -> None:
@@ -111,10 +112,20 @@ class DockingController:
         """Limits of |v| [m/s] and |omega| [rad/s] beside the chair's own from now on; without arguments: none."""
         self._limit, self._why_slow = (max(0.0, v), max(0.0, omega)), why
 
+    def set_cap(self, v: float = math.inf, omega: float = math.inf) -> None:
+        """What a person wants at most, |v| [m/s] and |omega| [rad/s], whatever `set_speed_limit` says."""
+        self._cap = (max(0.0, v), max(0.0, omega))
+
+    def plan_like(self, other: DockingController) -> None:
+        """Plan with the parameters of `other`, a controller of the same chair at the same dock whose weights alone
+        differ. What was learned of the chair stays. Between two goals, as the plan is forgotten."""
+        self.parameters, self._replanner = other.parameters, other._replanner
+        self.reset()
+
     def _slow(self) -> tuple[float, float] | None:
         """The limits that hold now; slow cycles ask for slow driving: what is not seen for long must not matter. A
         chair whose motors make less of a command than it says cannot be faster than its largest one makes it."""
-        v, omega = self._limit
+        v, omega = (min(limits) for limits in zip(self._limit, self._cap, strict=True))
         if self._period > self.parameters.control_period:
             v, omega = min(v, _WAY_PER_CYCLE / self._period), min(omega, _TURN_PER_CYCLE / self._period)
         limits, drive = self._chair.limits, self.history.drive

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import rospy
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_common.params import load
 from seater_nmpc.checks.setup import check_setup
@@ -19,12 +20,15 @@ from seater_nmpc.sequence.shadow import Shadow
 from seater_nmpc.sequence.vehicle import Vehicle
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(kw_only=True)
 class Core:
-    """What the node is wired round."""
+    """What the node is wired round. Live parameters replace `given` and `parameters`."""
 
     dock: Dock
-    parameters: NmpcParameters
+    given: NmpcParameters  # as in the file
+    parameters: NmpcParameters  # adjusted to the bay
+    camera: CameraModel | None
+    lock_step: bool
     vehicle: Vehicle
     controller: DockingController
     observer: DockObserver
@@ -43,10 +47,10 @@ def load_core(*, lock_step: bool) -> Core:
     dock = load(Dock, rospy.get_param("~dock", None), rospy.resolve_name("~dock"))
     vehicle = Vehicle(chair, dock)
     chair = vehicle.chair  # from here on it docks forward
-    parameters = load(NmpcParameters, rospy.get_param("~controller", None), rospy.resolve_name("~controller"))
+    given = load(NmpcParameters, rospy.get_param("~controller", None), rospy.resolve_name("~controller"))
     shadow = flag("~shadow")
     camera = load_camera(rectified=flag("~rectified"))
-    parameters, warnings = check_setup(chair, dock, parameters, camera)
+    parameters, warnings = check_setup(chair, dock, given, camera)
     for text in warnings:
         rospy.logwarn(text)
     controller = DockingController(chair, dock, parameters.control, deterministic=lock_step, camera=camera)
@@ -67,7 +71,10 @@ def load_core(*, lock_step: bool) -> Core:
         navigator.prepare()
     return Core(
         dock=dock,
+        given=given,
         parameters=parameters,
+        camera=camera,
+        lock_step=lock_step,
         vehicle=vehicle,
         controller=controller,
         observer=observer,

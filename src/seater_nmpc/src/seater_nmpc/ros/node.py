@@ -22,6 +22,7 @@ from seater_nmpc.ros.diagnostics import Diagnostics
 from seater_nmpc.ros.gate import BY_A_PERSON, Gate, Loss
 from seater_nmpc.ros.goal_checks import RefusedError, check_goal
 from seater_nmpc.ros.goals import ClientWatch, Goals
+from seater_nmpc.ros.live.server import LiveParameters
 from seater_nmpc.ros.obstacles import Obstacles
 from seater_nmpc.ros.publishers import Publishers
 from seater_nmpc.ros.resume import Call, ResumeService
@@ -61,6 +62,8 @@ class DockingNode:
         self._subscribe()
         if core.shadow is None:
             self._resume = ResumeService(self._enqueue)
+            if core.parameters.control.formulation == "docking":  # the other one has neither these weights nor a cap
+                self._live = LiveParameters(lambda: [self._core], self._ask, lambda: self._core.sequence.active)
             self._goals.start()
         solver = core.parameters.control.solver
         rospy.loginfo("docking node ready (%s%s)", solver, "" if core.shadow is None else ", shadow")
@@ -90,6 +93,7 @@ class DockingNode:
             "goal": lambda goal: self._on_goal(*goal),
             "cancel": self._on_cancel,
             "resume": self._on_resume,
+            "live": lambda asked: asked[0].work(asked[1]),
             "gate": lambda message: self._on_gate(self._gate.on_state(message)),
             "gate silent": lambda _: self._on_gate(self._gate.silence()),
             "client lost": lambda _: self._on_client_lost(),
@@ -236,6 +240,12 @@ class DockingNode:
         why = self._client.lost()
         if why:
             self._abort(ResultCode.CLIENT_LOST, why)
+
+    def _ask(self, work: Callable[[], str]) -> str:
+        """The answer of `work` from the worker; from another thread."""
+        call = Call()
+        self._enqueue("live", (call, work))
+        return call.wait()
 
     def _on_resume(self, call: Call) -> None:
         call.work(self._go_on)

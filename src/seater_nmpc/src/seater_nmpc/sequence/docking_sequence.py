@@ -104,6 +104,18 @@ class DockingSequence:
         self._goal.force = force
         self._begin(now, Phase.UNDOCKING, timeout or self._parameters.timeouts.undock)
 
+    def tune(self, parameters: SequenceParameters) -> None:
+        """Go by other parameters from the next goal on.
+
+        Raises:
+            ValueError: when a goal is active.
+        """
+        if self.active:
+            raise ValueError("parameters of the sequence may be changed between two goals only")
+        self._parameters = self._context.parameters = parameters
+        self._goal.timeouts = parameters.timeouts
+        self._phases = Phases(self._context)
+
     def cancel(self) -> None:
         """End the active goal with CANCELED in the next update."""
         self._ends.cancelled = True

@@ -16,7 +16,7 @@ class Progress:
     """Of one goal after another: `begin` each. Poses are (x, y, heading) [m, m, rad]."""
 
     def __init__(self, timeouts: Timeouts) -> None:
-        self._timeouts = timeouts
+        self.timeouts = timeouts  # of the next goal
         self.contact: bool | None = None  # the charging contact, None: not known
         self.force = False  # undock from here, whatever is known
         self.unsure = ""  # why it is not known what is in the way; empty: it is
@@ -26,7 +26,7 @@ class Progress:
     def begin(self, now: float, phase: Phase, timeout: float) -> None:
         """A goal begins at message time `now` [s] with this phase; it may take `timeout` [s]."""
         self.now, self.phase, self.retries = now, phase, 0
-        self.deadlines = Deadlines(self._timeouts, now, timeout)
+        self.deadlines = Deadlines(self.timeouts, now, timeout)
         self.error: Array | None = None  # (3,) the chair in the dock's frame, once known
         self.covariance: Array | None = None  # (3, 3) of the error, by the images alone, once verified
         self.T_odom_dock: Array | None = None

@@ -1,0 +1,1 @@
+"""The node round the driver."""

@@ -1,0 +1,1 @@
+"""Live parameters on dynamic_reconfigure."""
