@@ -3,11 +3,10 @@
 from pathlib import Path
 
 import pytest
-import yaml
 
-from seater_common.docks import DockDatabase, DockEntry, UnknownDockError, read_folder
+from seater_common.docks import DockDatabase, DockEntry, UnknownDockError, read_content, read_folder
 from seater_common.geometry import Dock
-from seater_common.params import ParameterError, as_mapping, load
+from seater_common.params import ParameterError, as_mapping
 
 
 def entry(name: str, *ids: int, source: str = "", dictionary: str = "DICT_4X4_50", **changes) -> DockEntry:
@@ -35,7 +34,10 @@ def test_one_dock_is_a_database_whatever_its_markers() -> None:
 
 def test_the_content_is_the_dock_again_with_what_others_read() -> None:
     lab = entry("lab", 0, 4)
-    assert load(Dock, yaml.safe_load(lab.content), "content") == lab.dock
+    assert read_content(lab.content, "content") == lab.dock
+    for wrong in ("{", "name: lab"):
+        with pytest.raises(ParameterError, match=r"lab\.yaml"):
+            read_content(wrong, "lab.yaml")
 
 
 @pytest.mark.parametrize(("mine", "others"), [("DICT_4X4_50", "DICT_4X4_50"), ("4X4_50", "DICT_4X4_1000")])

@@ -91,6 +91,14 @@ def read_folder(folder: str | Path) -> list[DockEntry]:
     return entries
 
 
+def read_content(content: str, source: str) -> Dock:
+    """The dock of an entry's content. Raises ParameterError, with `source` in its text."""
+    try:
+        return load(Dock, yaml.safe_load(content), source)
+    except yaml.YAMLError as error:
+        raise ParameterError(f"{source}: {error}") from error
+
+
 def _name(entry: DockEntry) -> str:
     return entry.dock.name
 

@@ -102,6 +102,13 @@ class SequenceParameters:
         0.08, "m", "distance at which the predock point counts as reached", low=0.005, high=0.5
     )
     predock_heading: float = param(0.10, "rad", "the same for the heading error", low=0.005, high=0.5)
+    charge_watch: float = param(
+        0.0,
+        "s",
+        "how long a docked chair's goal goes on and docks again when the contact opens; 0: it ends at once",
+        low=0.0,
+        high=60.0,
+    )
     contact_wait: float = param(1.0, "s", "waiting for the contact before nudging, and after it", low=0.0, high=30.0)
     nudge_distance: float = param(0.015, "m", "farthest nudge forward for the contact", low=0.0, high=0.1)
     nudge_speed: float = param(0.02, "m/s", "speed of the nudge", low=0.001, high=0.1)

@@ -17,16 +17,20 @@ from std_msgs.msg import Bool, Header
 from seater_msgs.msg import MarkerDetectionArray, ObstacleArray
 from seater_nmpc.control.command import Command
 from seater_nmpc.ros import conversions
-from seater_nmpc.ros.core import flag, load_core
+from seater_nmpc.ros.core import Core, CoreMaker, flag
 from seater_nmpc.ros.diagnostics import Diagnostics
+from seater_nmpc.ros.docks.library import Docks, Loaded, read_docks
+from seater_nmpc.ros.docks.services import DockServices
+from seater_nmpc.ros.docks.states import DockStates
 from seater_nmpc.ros.gate import BY_A_PERSON, Gate, Loss
-from seater_nmpc.ros.goal_checks import RefusedError, check_goal
+from seater_nmpc.ros.goal_checks import RefusedError, check_goal, dock_of
 from seater_nmpc.ros.goals import ClientWatch, Goals
 from seater_nmpc.ros.obstacles import Obstacles
 from seater_nmpc.ros.publishers import Publishers
 from seater_nmpc.ros.resume import Call, ResumeService
 from seater_nmpc.ros.speed_zone import SpeedZone
 from seater_nmpc.ros.transforms import TransformBuffer
+from seater_nmpc.sequence.docked import DockWatch
 from seater_nmpc.sequence.goal.results import Phase, ResultCode, Step
 
 ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal, or the beginning of a pause
@@ -39,7 +43,8 @@ class DockingNode:
 
     def __init__(self) -> None:
         lock_step, self._dock_frame = flag("~lock_step"), rospy.get_param("~dock_frame", "dock")
-        self._core = core = load_core(lock_step=lock_step)  # before anything is advertised
+        self._docks: Docks[Core] = Docks(read_docks, CoreMaker(lock_step=lock_step).make)  # before all is advertised
+        self._core = core = self._docks.core()
         self._period = core.parameters.control.control_period
         self._cycle, self._zeros, self._fallbacks_before = -1, 0, 0
         self._contact: bool | None = None
@@ -55,12 +60,17 @@ class DockingNode:
         self._client = ClientWatch(core.parameters.sequence.client_timeout)
         self._gate = Gate(self._enqueue, lock_step=lock_step)
         self._zone = SpeedZone(core.vehicle.chair, core.dock, core.parameters.sequence.back_out_speed)
+        self._dock_services, self._dock_states = DockServices(self._docks, self._ask), DockStates()
+        self._docked = DockWatch(require_contact=flag("~require_contact"))
+        self._docked.use(core.vehicle.chair, core.dock, core.observer, core.parameters.sequence)
+        self._dock_services.use(core.dock.name, rospy.Time())
         threading.Thread(target=self._work, daemon=True).start()
         threading.Thread(target=self._watch, daemon=True).start()
         rospy.on_shutdown(self._on_shutdown)
         self._subscribe()
         if core.shadow is None:
-            self._resume = ResumeService(self._enqueue)
+            self._resume = ResumeService(self._ask, self._go_on)
+            self._dock_services.offer(self._why_not_reload, self._take_docks)
             self._goals.start()
         solver = core.parameters.control.solver
         rospy.loginfo("docking node ready (%s%s)", solver, "" if core.shadow is None else ", shadow")
@@ -89,7 +99,7 @@ class DockingNode:
             "contact": lambda closed: setattr(self, "_contact", bool(closed)),
             "goal": lambda goal: self._on_goal(*goal),
             "cancel": self._on_cancel,
-            "resume": self._on_resume,
+            "call": lambda call: call.work(),
             "gate": lambda message: self._on_gate(self._gate.on_state(message)),
             "gate silent": lambda _: self._on_gate(self._gate.silence()),
             "client lost": lambda _: self._on_client_lost(),
@@ -120,9 +130,8 @@ class DockingNode:
         stamp = message.header.stamp.to_sec()
         if stamp < self._out.stamp.to_sec() - TIME_JUMP:  # of the last message, whether it was used or not
             self._abort(ResultCode.ODOMETRY_LOST, "time went backward")
-            self._core.observer.odometry.clear()
-            self._core.observer.shown.clear()
-            self._core.observer.reset()
+            self._core.forget()
+            self._docked.forget()
             self._cycle, self._last_stamp = -1, rospy.Time()
         if not self._core.sequence.add_odometry(self._core.vehicle.odometry(conversions.odometry(message))):
             rospy.logwarn_throttle(1.0, "odometry refused: not finite, or its stamp %.3f is not newer", stamp)
@@ -139,6 +148,8 @@ class DockingNode:
         self._diagnostics.cycle()
         self._set_obstacles(now)
         self._tell_zone()
+        state = self._docked.update(now, self._contact, goal=self._core.sequence.active)
+        self._dock_states.tell(self._out.stamp, state)
         if self._core.shadow is not None:
             command = self._core.shadow.update(now)
             self._report(self._core.vehicle.command(command or Command(v=0.0, omega=0.0)), "SHADOW")
@@ -171,6 +182,8 @@ class DockingNode:
         self._report(command, step.phase.name)
         self._goals.publish(step)
         if step.result is not None:
+            if step.result.success and not self._core.sequence.staging:
+                self._docked.reached(self._out.stamp.to_sec(), docked=step.phase is not Phase.UNDOCKING)
             self._zeros = ZEROS_AFTER_GOAL
             self._diagnostics.installation = self._core.sequence.installation
             self._client.end()
@@ -186,6 +199,8 @@ class DockingNode:
 
     def _on_detections(self, message: MarkerDetectionArray) -> None:
         stamp = message.header.stamp
+        if not self._dock_services.about(message):
+            return
         hypotheses, markers = conversions.hypotheses(message), conversions.marker_sights(message)
         fusion = self._core.sequence.add_detections(stamp.to_sec(), hypotheses, markers)
         if message.dock:
@@ -202,20 +217,63 @@ class DockingNode:
             return self._goals.refuse(kind, handle, ResultCode.BUSY, f"{self._goals.kind} is active")
         if self._core.observer.odometry.newest is None:
             return self._goals.refuse(kind, handle, ResultCode.ODOMETRY_LOST, "no odometry yet")
+        if self._dock_services.loading:
+            return self._goals.refuse(kind, handle, ResultCode.BUSY, "the docks are being loaded")
         try:
-            prior = check_goal(kind, goal, self._core.dock.name, self._tf, self._out.odom_frame)
+            name = dock_of(kind, goal, self._docks.database, self._core.dock.name)
+            prior = check_goal(kind, goal, self._tf, self._out.odom_frame)
+            if kind == "dock":
+                self._check_way_to(name, search=prior is not None)
             self._gate.arm(undock=kind == "undock")  # a new goal is a new consent
         except RefusedError as refused:
             return self._goals.refuse(kind, handle, refused.code, refused.text)
         self._abort(ResultCode.CANCELED, "replaced by a new goal", release=False)
         self._goals.accept(kind, handle)
+        self._use(name)
         self._client.begin(handle.goal)
         counters = self._core.controller.counters
         self._fallbacks_before = counters.shifted + counters.braked
         if kind == "dock":
-            self._core.sequence.start_dock(now, goal.timeout, prior)
+            self._core.sequence.start_dock(now, goal.timeout, prior, staging=goal.staging_only)
         else:
             self._core.sequence.start_undock(now, goal.timeout, force=goal.force)
+
+    def _use(self, name: str) -> None:
+        """Look for this dock from now on. No goal is active."""
+        core = self._docks.core(name)
+        if core is self._core:
+            return
+        core.forget()
+        self._core = core
+        self._diagnostics.use(core.controller, core.observer)
+        self._zone.use(core.vehicle.chair, core.dock)
+        self._docked.use(core.vehicle.chair, core.dock, core.observer, core.parameters.sequence)
+        self._dock_services.use(name, self._out.stamp)
+
+    def _check_way_to(self, name: str, *, search: bool) -> None:
+        why_not = self._docked.why_not_to(name, search=search)
+        if why_not:
+            raise RefusedError(ResultCode.DOCKED_ELSEWHERE, why_not)
+
+    def _why_not_reload(self) -> str:
+        return f"a goal to {self._goals.kind} is active" if self._goals.active else ""
+
+    def _take_docks(self, loaded: Loaded[Core]) -> str:
+        """Empty, or why these docks are not used."""
+        name, stands_at = self._core.dock.name, self._docked.state.dock
+        if stands_at and stands_at not in loaded.cores:
+            return f"the chair stands docked at {stands_at}, which is not among them: undock first"
+        self._docks.take(loaded)
+        if self._docks.core(name if name in loaded.cores else "") is not self._core:
+            self._docked.forget()  # it is another place now, which contact and images have to show
+        self._use(name if name in loaded.cores else loaded.database.configured)
+        return ""
+
+    def _ask(self, work: Callable[[], str]) -> str:
+        """For the thread of a service: the answer of `work`, which is done in the worker's thread."""
+        call = Call(work)
+        self._enqueue("call", call)
+        return call.wait()
 
     def _on_cancel(self, handle: Any) -> None:
         if self._goals.is_current(handle):
@@ -236,9 +294,6 @@ class DockingNode:
         why = self._client.lost()
         if why:
             self._abort(ResultCode.CLIENT_LOST, why)
-
-    def _on_resume(self, call: Call) -> None:
-        call.work(self._go_on)
 
     def _go_on(self) -> str:
         """Empty, or why the paused goal does not go on."""

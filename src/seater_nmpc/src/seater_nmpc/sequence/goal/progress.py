@@ -19,6 +19,7 @@ class Progress:
         self._timeouts = timeouts
         self.contact: bool | None = None  # the charging contact, None: not known
         self.force = False  # undock from here, whatever is known
+        self.staging = False  # the goal ends at the predock point
         self.unsure = ""  # why it is not known what is in the way; empty: it is
         self.held_by = ""  # why the safety gate holds the chair; empty: it does not
         self.begin(0.0, Phase.WAITING_FOR_DOCK, 0.0)

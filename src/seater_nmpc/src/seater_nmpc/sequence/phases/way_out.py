@@ -41,7 +41,7 @@ class WayOut:
         x = max(c.dock.predock_x, -p.retry_distance) if small else c.dock.predock_x
         if c.is_at(x, error, chair):
             return self._way_in.first_phase(error)
-        return self._back_out(chair, error, np.array([x, 0.0, 0.0]))
+        return self.back_out(chair, error, np.array([x, 0.0, 0.0]))
 
     def undock(self, chair: Instant) -> Command:
         """UNDOCKING: to the predock point, by odometry alone. Raises GoalEnd."""
@@ -52,12 +52,12 @@ class WayOut:
         to_go = goal.error - [c.dock.predock_x, 0.0, 0.0]
         arrived = to_go[0] <= 0.0 or math.hypot(to_go[0], to_go[1]) <= c.parameters.predock_position
         if not arrived or abs(chair.v) > ARRIVED_SPEED:
-            return self._back_out(chair, goal.error, "predock")
+            return self.back_out(chair, goal.error, "predock")
         if c.standstill.has_stood(chair.stamp, c.measured(chair)):
             raise GoalEnd(ResultCode.SUCCESS, "undocked")
         return STANDING
 
-    def _back_out(self, chair: Instant, error: Array, target: Target) -> Command:
+    def back_out(self, chair: Instant, error: Array, target: Target) -> Command:
         """Out of the bay; something in the way, or so near that the chair gets nowhere, is waited for, not for ever."""
         c = self._context
         outlines, longest = c.controller.obstacles, c.parameters.back_out_wait
