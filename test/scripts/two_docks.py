@@ -12,6 +12,7 @@ import rospy
 import rostest
 from nav_msgs.msg import Odometry
 from seater_test.harness import DockingCase
+from std_msgs.msg import UInt32
 from std_srvs.srv import Trigger
 
 from seater_common.se2 import relative
@@ -34,6 +35,8 @@ class TwoDocks(DockingCase):
         self.states: list[DockState] = []
         self.in_use: list[DockInUse] = []
         rospy.Subscriber("dock_state", DockState, self.states.append, queue_size=10)
+        self.collisions: list[int] = []
+        rospy.Subscriber("collisions", UInt32, lambda message: self.collisions.append(message.data), queue_size=10)
         rospy.Subscriber("dock_in_use", DockInUse, self.in_use.append, queue_size=10)
 
     def test_one_dock_after_the_other(self) -> None:
@@ -43,6 +46,7 @@ class TwoDocks(DockingCase):
         self.docks_loaded_anew_while_docked()
         self.stage_at_lab()
         self.dock_at_hall()
+        self.assertEqual(self.collisions, [0], "the walls of lab were touched on the way to hall")
 
     def unknown_dock(self) -> None:
         docks = self.list_docks()

@@ -26,7 +26,9 @@ seater_msgs::DockInUse message(const std::string& name, const std::string& conte
   return dock;
 }
 
-DockChoice lab() { return {loadDockLayout(YAML::Load(dock(3, 0.1)), "dock"), "lab"}; }
+DockChoice lab() {
+  return {loadDockLayout(YAML::Load(dock(3, 0.1)), "dock"), "lab"};
+}
 
 }  // namespace
 

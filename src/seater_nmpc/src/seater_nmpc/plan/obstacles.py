@@ -57,6 +57,13 @@ class ObstacleMemory:
         self._outlines, self._bound_to_dock, self._since = list(outlines), bound_to_dock, None
         self._told = True
 
+    def leave_dock(self, T_odom_dock: ArrayLike | None) -> None:
+        """Another dock is looked for: what was bound to the one before stays where it is, as far as that is known."""
+        if self._bound_to_dock:
+            known = [] if T_odom_dock is None else self._outlines
+            self._outlines = [transform_points(T_odom_dock, outline) for outline in known]
+            self._bound_to_dock = False
+
     def stale(self, now: float) -> bool:
         """Whether what was told is older than the time-out at message time `now` [s]; it holds all the same.
 

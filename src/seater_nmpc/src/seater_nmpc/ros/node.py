@@ -16,6 +16,7 @@ from std_msgs.msg import Bool, Header
 
 from seater_msgs.msg import MarkerDetectionArray, ObstacleArray
 from seater_nmpc.control.command import Command
+from seater_nmpc.plan.left_bays import LeftBays
 from seater_nmpc.ros import conversions
 from seater_nmpc.ros.core import Core, CoreMaker, flag
 from seater_nmpc.ros.diagnostics import Diagnostics
@@ -55,6 +56,7 @@ class DockingNode:
         self._tf = TransformBuffer()
         self._tf_in = tf2_ros.TransformListener(self._tf)
         self._obstacles = Obstacles(self._tf, self._dock_frame, core.parameters.sequence.obstacle_timeout)
+        self._left_bays = LeftBays()
         self._diagnostics = Diagnostics(core.controller, core.observer, self._period)
         self._goals = Goals(self._enqueue)
         self._client = ClientWatch(core.parameters.sequence.client_timeout)
@@ -132,6 +134,7 @@ class DockingNode:
             self._abort(ResultCode.ODOMETRY_LOST, "time went backward")
             self._core.forget()
             self._docked.forget()
+            self._left_bays.forget()
             self._cycle, self._last_stamp = -1, rospy.Time()
         if not self._core.sequence.add_odometry(self._core.vehicle.odometry(conversions.odometry(message))):
             rospy.logwarn_throttle(1.0, "odometry refused: not finite, or its stamp %.3f is not newer", stamp)
@@ -163,9 +166,12 @@ class DockingNode:
             self._report(Command(v=0.0, omega=0.0), "")
 
     def _set_obstacles(self, now: float) -> None:
-        estimate = self._core.observer.estimate()
+        estimate, newest = self._core.observer.estimate(), self._core.observer.odometry.newest
         dock = self._core.observer.prior if estimate is None else estimate.pose
-        self._core.controller.set_obstacles(self._obstacles.now(self._out.odom_frame, dock))
+        obstacles = self._obstacles.now(self._out.odom_frame, dock)
+        if dock is not None and newest is not None and self._core.parameters.control.walls:
+            obstacles = [*obstacles, *self._left_bays.in_dock(self._core.dock.bay, dock, newest.pose)]
+        self._core.controller.set_obstacles(obstacles)
         self._core.sequence.unsure = self._obstacles.trouble(now)
 
     def _tell_zone(self) -> None:
@@ -243,6 +249,11 @@ class DockingNode:
         core = self._docks.core(name)
         if core is self._core:
             return
+        estimate, newest = self._core.observer.estimate(), self._core.observer.odometry.newest
+        if estimate is not None and newest is not None:
+            self._left_bays.leave(self._core.dock, estimate.pose, newest.pose)
+        self._left_bays.use(core.dock)
+        self._obstacles.leave_dock(None if estimate is None else estimate.pose)
         core.forget()
         self._core = core
         self._diagnostics.use(core.controller, core.observer)
