@@ -49,10 +49,14 @@ class Stand:
         monkeypatch.setattr(rospy, "is_shutdown", lambda: self.node._queue.empty())
         self.limits = self.node._core.vehicle.chair.limits
 
-    def deliver(self, topic: str, message: Any) -> None:
-        """One message, worked off at once."""
+    def arrive(self, topic: str, message: Any) -> None:
+        """One message, which waits."""
         message._connection_header = {"callerid": "/hostile"}  # as rospy does
         self._inputs[topic](message)
+
+    def deliver(self, topic: str, message: Any) -> None:
+        """One message, worked off at once."""
+        self.arrive(topic, message)
         self.node._work()
 
     def give(self, kind: str, goal: Any) -> None:

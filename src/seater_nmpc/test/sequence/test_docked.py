@@ -67,9 +67,11 @@ def test_images_alone_do_not_say_docked_where_the_contact_is_required(make_world
 
 def test_the_contact_says_docked_and_only_images_say_where(make_world) -> None:
     chair = Idle(make_world, (0.0, 0.0, 0.0), seen=False, contact=True)
-    assert is_docked(chair.stand(), "")
+    before = chair.stand()
+    assert is_docked(before, "")
     chair.seen = True
-    assert is_docked(chair.stand(), "lab")
+    state = chair.stand()
+    assert is_docked(state, "lab") and state.since == before.since
 
 
 def test_a_contact_elsewhere_is_not_the_dock_in_view(make_world) -> None:
@@ -89,6 +91,7 @@ def test_a_chair_that_is_pushed_away_is_not_docked_any_more(make_world, seen) ->
     chair = Idle(make_world, (0.0, 0.0, 0.0))
     assert is_docked(chair.stand(), "lab")
     chair.seen = seen
+    chair.stand(1.5)
     since = chair.world.now
     state = chair.push(-0.1)
     assert state.docked is Docked.NOT_DOCKED and state.dock == "" and state.since > since

@@ -35,6 +35,8 @@ from seater_nmpc.sequence.docked import DockWatch
 from seater_nmpc.sequence.goal.results import Phase, ResultCode, Step
 
 ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal, or the beginning of a pause
+OUT_OF_DATE = 0.2  # [s] a request that is based on older odometry is not sent: the gate brakes in silence, too
+LONGEST_BACKLOG = 5.0  # [s] a stamp that is farther ahead is wrong
 TIME_JUMP = 1.0  # [s] odometry this much older than the last one means that time started anew
 
 
@@ -44,6 +46,7 @@ class DockingNode:
 
     def __init__(self) -> None:
         lock_step, self._dock_frame = flag("~lock_step"), rospy.get_param("~dock_frame", "dock")
+        self._lock_step, self._began = lock_step, time.monotonic()  # of the work on the last odometry
         self._docks: Docks[Core] = Docks(read_docks, CoreMaker(lock_step=lock_step).make)  # before all is advertised
         self._core = core = self._docks.core()
         self._period = core.parameters.control.control_period
@@ -105,7 +108,7 @@ class DockingNode:
             "gate": lambda message: self._on_gate(self._gate.on_state(message)),
             "gate silent": lambda _: self._on_gate(self._gate.silence()),
             "client lost": lambda _: self._on_client_lost(),
-            "watchdog": lambda _: self._abort(ResultCode.ODOMETRY_LOST, "no odometry arrives"),
+            "watchdog": lambda _: self._on_watchdog(),
         }
         while not rospy.is_shutdown():
             try:
@@ -129,7 +132,7 @@ class DockingNode:
             self._out.done("charging_contact", Header())
 
     def _on_odometry(self, message: OdometryMsg) -> None:
-        stamp = message.header.stamp.to_sec()
+        stamp, self._began = message.header.stamp.to_sec(), time.monotonic()
         if stamp < self._out.stamp.to_sec() - TIME_JUMP:  # of the last message, whether it was used or not
             self._abort(ResultCode.ODOMETRY_LOST, "time went backward")
             self._core.forget()
@@ -144,7 +147,16 @@ class DockingNode:
         cycle = math.floor(stamp / self._period + 1e-6)
         if cycle > self._cycle:
             self._cycle = cycle
-            self._control(stamp)
+            if self._behind() <= self._period:
+                self._control(stamp)
+
+    def _behind(self) -> float:
+        """How old the odometry is that is being worked [s], after a long search for a way, say. What would be asked for
+        then is out of date, and the gate would refuse it by its stamp."""
+        if self._lock_step:
+            return 0.0
+        newer = (self._last_stamp - self._out.stamp).to_sec()
+        return max(newer if newer < LONGEST_BACKLOG else 0.0, time.monotonic() - self._began)
 
     def _control(self, now: float) -> None:
         """One control cycle, at the first odometry in each period of message time."""
@@ -182,7 +194,8 @@ class DockingNode:
 
     def _send(self, step: Step, *, release: bool = True) -> None:
         command = self._core.vehicle.command(step.command)
-        if step.phase is not Phase.PAUSED or self._zeros > 0:  # there is no consent then, and nothing to ask for
+        fresh = step.result is not None or self._behind() <= OUT_OF_DATE
+        if fresh and (step.phase is not Phase.PAUSED or self._zeros > 0):  # paused: no consent, nothing to ask for
             self._out.request(command.v, command.omega)
             self._zeros = max(0, self._zeros - 1)
         self._report(command, step.phase.name)
@@ -299,6 +312,11 @@ class DockingNode:
             self._send(self._core.sequence.pause(self._out.stamp.to_sec(), loss.code, loss.text))
         else:
             self._abort(loss.code, loss.text)
+
+    def _on_watchdog(self) -> None:
+        """By now odometry may have come: the watching thread may have been the first that ran after a long search."""
+        if self._clock() - self._last_odometry > self._core.parameters.sequence.odometry_timeout:
+            self._abort(ResultCode.ODOMETRY_LOST, "no odometry arrives")
 
     def _on_client_lost(self) -> None:
         """By now another goal may be worked on."""
