@@ -99,7 +99,11 @@ def test_everybody_is_told_the_dock_in_use(monkeypatch) -> None:
     speaker.use("hall", rospy.Time(7))
     message = told.messages[-1]
     assert (message.name, message.revision, message.source, message.since.secs) == ("hall", 0, "hall.yaml", 7)
-    assert read_content(message.content, "") == docks.core("hall").dock
+    assert read_content(message.content, "") == docks.core("hall").dock and message.known == ["lab", "hall"]
+    docks.take(Docks(Folder(entry("lab", 0), entry("hall", 1), entry("attic", 2)), Made).load())
+    speaker.tell_again()
+    message = told.messages[-1]
+    assert (message.name, message.since.secs, message.known) == ("hall", 7, ["lab", "attic", "hall"])
 
 
 def test_detections_of_another_dock_are_not_used(monkeypatch) -> None:

@@ -288,9 +288,11 @@ class DockingNode:
         if stands_at and stands_at not in loaded.cores:
             return f"the chair stands docked at {stands_at}, which is not among them: undock first"
         self._docks.take(loaded)
-        if self._docks.core(name if name in loaded.cores else "") is not self._core:
+        if name in loaded.cores and loaded.cores[name] is self._core:
+            self._dock_services.tell_again()
+        else:
             self._docked.forget()  # it is another place now, which contact and images have to show
-        self._use(name if name in loaded.cores else loaded.database.configured)
+            self._use(name if name in loaded.cores else loaded.database.configured)
         return ""
 
     def _ask(self, work: Callable[[], str]) -> str:

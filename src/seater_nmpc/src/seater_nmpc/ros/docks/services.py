@@ -37,10 +37,20 @@ class DockServices:
     def use(self, name: str, since: rospy.Time) -> None:
         """Tell everybody that this dock is looked for, from the stamp `since` on."""
         entry, self._in_use, self._since = self._docks.database.entry(name), name, since
-        revision = self._docks.revision(name)
         self._publisher.publish(
-            DockInUse(name=name, revision=revision, source=entry.source, since=since, content=entry.content)
+            DockInUse(
+                name=name,
+                revision=self._docks.revision(name),
+                source=entry.source,
+                since=since,
+                known=self._docks.database.names,
+                content=entry.content,
+            )
         )
+
+    def tell_again(self) -> None:
+        """The docks were loaded anew; the one in use is the same."""
+        self.use(self._in_use, self._since)
 
     def about(self, message: MarkerDetectionArray) -> bool:
         """Whether detections are about the dock in use; an empty name says nothing."""
