@@ -37,6 +37,12 @@ class SequenceParameters:
     )
     max_start_distance: float = param(6.0, "m", "largest distance of the dock at the start", low=0.5, high=50.0)
     max_retries: int = param(2, "", "times the chair backs out and tries again", low=0, high=20)
+    failed_end: str = param(
+        "stay",
+        "",
+        "where a chair that sees the dock and could not dock ends: where it is, or backed out to the predock point",
+        choices=("stay", "predock"),
+    )
     retry_distance: float = param(
         1.0, "m", "how far it backs out then, if it stands nearly right (at most to predock_x)", low=0.1, high=5.0
     )

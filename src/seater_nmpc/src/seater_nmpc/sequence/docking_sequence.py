@@ -268,6 +268,9 @@ class DockingSequence:
         now = now if math.isfinite(now) else self._goal.now
         if self._goal.phase is Phase.HOLDING and self._goal.contact and code in _LETS_DOCKED:
             code, text = ResultCode.SUCCESS, f"docked; the watch of the contact ended: {text}"
+        failure = self._goal.failure
+        if failure is not None and failure.code is not code:
+            text = f"{text}, backing out after {failure.code.name} ({failure.text})"
         self.active, self._pause = False, None
         self.observer.bound_reacquisition(False)
         self._controller.reset()

@@ -25,7 +25,6 @@ _OPENED = 0.5  # [s] without contact: no mere bounce of it
 _VERDICTS = {
     Verdict.DOCKED: ResultCode.SUCCESS,
     Verdict.UNSEEN: ResultCode.MARKER_LOST,
-    Verdict.NO_CONTACT: ResultCode.FAILED_TO_CHARGE,
 }
 
 
@@ -83,6 +82,8 @@ class AtDock:
             return Phase.HOLDING
         if verdict is Verdict.OUTSIDE:
             return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, verdict.value)
+        if verdict is Verdict.NO_CONTACT:
+            return c.give_up(ResultCode.FAILED_TO_CHARGE, verdict.value)
         why = f": {c.observer.why_unseen}" if verdict is Verdict.UNSEEN else ""
         raise GoalEnd(_VERDICTS[verdict], verdict.value + why)
 

@@ -63,6 +63,7 @@ class Phases:
         goal = self._context.goal
         goal.now = now
         goal.deadlines.put_off(paused)
+        goal.failure = None  # a person has it go on: another attempt
         self._context.controller.history.clear()
         self._finding.resume()
         self._caution.begin()
