@@ -18,7 +18,7 @@ BEFORE_LAB = compose(T_ODOM_LAB, [-1.2, 0.0, 0.0])
 def bays() -> LeftBays:
     """The chair before the lab, on its way to the hall."""
     bays = LeftBays()
-    bays.leave(LAB, T_ODOM_LAB, BEFORE_LAB)
+    bays.leave(LAB, T_ODOM_LAB, 0.3)
     bays.use(HALL)
     return bays
 
@@ -32,12 +32,18 @@ def test_walls_of_the_dock_that_was_left_are_obstacles_where_they_are(bays) -> N
 
 
 def test_far_away_they_count_no_more_as_odometry_drifts(bays) -> None:
-    assert bays.in_dock(HALL.bay, T_ODOM_HALL, BEFORE_LAB + [5.1, 0.0, 0.0]) == []
+    assert bays.in_dock(HALL.bay, T_ODOM_HALL, T_ODOM_LAB + [5.1, 0.0, 0.0]) == []
     assert bays.in_dock(HALL.bay, T_ODOM_HALL, BEFORE_LAB) == []  # nor on the way back
 
 
+def test_walls_that_were_seen_long_ago_do_not_count() -> None:
+    bays = LeftBays()
+    bays.leave(LAB, T_ODOM_LAB, 5.1)
+    assert bays.in_dock(HALL.bay, T_ODOM_HALL, BEFORE_LAB) == []
+
+
 def test_the_dock_in_use_knows_its_own_walls(bays) -> None:
-    bays.leave(HALL, T_ODOM_HALL, BEFORE_LAB)
+    bays.leave(HALL, T_ODOM_HALL, 0.3)
     bays.use(LAB)
     assert len(bays.in_dock(LAB.bay, T_ODOM_LAB, BEFORE_LAB)) == 3  # the hall's
     bays.use(HALL)

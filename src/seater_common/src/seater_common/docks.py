@@ -60,9 +60,6 @@ class DockDatabase:
     def __iter__(self) -> Iterator[DockEntry]:
         return iter(self._entries.values())
 
-    def __len__(self) -> int:
-        return len(self._entries)
-
     def entry(self, name: str) -> DockEntry:
         """The dock of this name; empty: the configured one. Raises UnknownDockError."""
         found = self._entries.get(name or self.configured)

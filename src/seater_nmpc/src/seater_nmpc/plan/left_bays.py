@@ -1,6 +1,6 @@
 """The walls of docks that the chair has left for another one: on the way there they are obstacles like others.
 
-They are placed by odometry from where the dock was seen last, so they count near that place only.
+They are placed by odometry from where the dock was seen last, so they count near it only.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from seater_common.se2 import inverse, transform_points
 
 Array = NDArray[np.float64]
 
-_FAR = 5.0  # [m] from where the dock was left: odometry has drifted by as much as the margins allow (1 to 2 % of way)
+_FAR = 5.0  # [m] from the dock, or driven since it was seen: odometry has drifted by the margins (1 to 2 % of the way)
 _SAME_WALL = 0.05  # [m] from a wall of the dock in use: docks side by side share it, and its own dock knows it better
 
 
 @dataclass(frozen=True)
 class _Left:
     outlines: list[Array]  # (n, 2) in odom [m]
-    at: Array  # (2,) where the chair was, in odom [m]
+    at: Array  # (2,) the dock, in odom [m]
 
 
 class LeftBays:
@@ -36,10 +36,11 @@ class LeftBays:
         """The odometry began anew."""
         self._left.clear()
 
-    def leave(self, dock: Dock, T_odom_dock: ArrayLike, T_odom_base: ArrayLike) -> None:
-        """The chair looks for another dock from now on; this one is there."""
+    def leave(self, dock: Dock, T_odom_dock: ArrayLike, blind_distance: float) -> None:
+        """The chair looks for another dock from now on; this one is there, seen `blind_distance` [m] ago."""
         outlines = [transform_points(T_odom_dock, outline) for outline in dock.bay.outlines()]
-        self._left[dock.name] = _Left(outlines, np.asarray(T_odom_base, dtype=float)[:2])
+        if blind_distance <= _FAR:
+            self._left[dock.name] = _Left(outlines, np.asarray(T_odom_dock, dtype=float)[:2])
 
     def use(self, dock: Dock) -> None:
         """The chair looks for this dock from now on, whose walls are known from its file."""

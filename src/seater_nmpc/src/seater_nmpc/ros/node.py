@@ -262,9 +262,9 @@ class DockingNode:
         core = self._docks.core(name)
         if core is self._core:
             return
-        estimate, newest = self._core.observer.estimate(), self._core.observer.odometry.newest
-        if estimate is not None and newest is not None:
-            self._left_bays.leave(self._core.dock, estimate.pose, newest.pose)
+        estimate = self._core.observer.estimate()
+        if estimate is not None:
+            self._left_bays.leave(self._core.dock, estimate.pose, estimate.blind_distance)
         self._left_bays.use(core.dock)
         self._obstacles.leave_dock(None if estimate is None else estimate.pose)
         core.forget()
