@@ -9,6 +9,7 @@ from typing import Any, Generic, TypeVar
 import rospy
 
 from seater_common.docks import DockDatabase, DockEntry, read_folder
+from seater_common.params import ParameterError
 
 C = TypeVar("C")
 
@@ -19,9 +20,16 @@ def read_docks() -> DockDatabase:
     Raises:
         ParameterError: a dock is wrong, or images cannot tell two of them apart.
     """
-    configured = DockEntry.of(rospy.get_param("~dock", None), rospy.resolve_name("~dock"))
+    key = rospy.resolve_name("~dock")
+    configured = DockEntry.of(rospy.get_param("~dock", None), key)
     folder: Any = rospy.get_param("~docks", "")
-    database = DockDatabase(configured, read_folder(str(folder)) if folder else ())
+    others = read_folder(str(folder)) if folder else []
+    try:
+        database = DockDatabase(configured, others)
+    except ParameterError as error:
+        raise ParameterError(
+            f"{error}\n({key} is the launch argument dock_file: mostly a file of the folder)"
+        ) from error
     if database.replaced is not None:
         path = database.entry("").source
         rospy.logwarn("%s differs from %s, which is used", database.replaced.source, path)
