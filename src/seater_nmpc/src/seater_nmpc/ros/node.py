@@ -41,8 +41,9 @@ TIME_JUMP = 1.0  # [s] odometry this much older than the last one means that tim
 
 
 class DockingNode:
-    """Private parameters: ~chair, ~dock, ~controller, ~camera (the files in config/), ~rectified, ~lock_step, ~shadow,
-    ~require_contact, ~dock_frame (name of the dock's frame in TF). Topics: docs/reference/interfaces.md."""
+    """Private parameters: ~chair, ~dock, ~controller, ~camera (the files in config/), ~docks (a folder of further dock
+    files), ~rectified, ~lock_step, ~shadow, ~require_contact, ~dock_frame (name of the dock's frame in TF). Topics:
+    docs/reference/interfaces.md."""
 
     def __init__(self) -> None:
         lock_step, self._dock_frame = flag("~lock_step"), rospy.get_param("~dock_frame", "dock")
@@ -65,7 +66,8 @@ class DockingNode:
         self._client = ClientWatch(core.parameters.sequence.client_timeout)
         self._gate = Gate(self._enqueue, lock_step=lock_step)
         self._zone = SpeedZone(core.vehicle.chair, core.dock, core.parameters.sequence.back_out_speed)
-        self._dock_services, self._dock_states = DockServices(self._docks, self._ask), DockStates()
+        speaks = core.shadow is None
+        self._dock_services, self._dock_states = DockServices(self._docks, self._ask, speaks=speaks), DockStates()
         self._docked = DockWatch(require_contact=flag("~require_contact"))
         self._docked.use(core.vehicle.chair, core.dock, core.observer, core.parameters.sequence)
         self._dock_services.use(core.dock.name, rospy.Time())
@@ -163,14 +165,14 @@ class DockingNode:
         self._diagnostics.cycle()
         self._set_obstacles(now)
         self._tell_zone()
-        state = self._docked.update(now, self._contact, goal=self._core.sequence.active)
-        self._dock_states.tell(self._out.stamp, state)
+        self._tell_docked(now)
         if self._core.shadow is not None:
             command = self._core.shadow.update(now)
             self._report(self._core.vehicle.command(command or Command(v=0.0, omega=0.0)), "SHADOW")
         elif self._core.sequence.active:
             self._core.sequence.held, self._core.sequence.held_by = self._gate.holds(now), self._gate.held_by
-            self._send(self._core.sequence.update(now, self._contact))
+            step = self._core.sequence.update(now, self._contact)
+            self._send(step, ask=step.result is not None or self._behind() <= OUT_OF_DATE)
         else:
             if self._zeros > 0:
                 self._zeros -= 1
@@ -192,10 +194,14 @@ class DockingNode:
             dock = None if estimate is None else estimate.pose
             self._zone.update(self._out.stamp, dock, newest.pose, backs_out=self._core.sequence.backs_out)
 
-    def _send(self, step: Step, *, release: bool = True) -> None:
+    def _tell_docked(self, now: float) -> None:
+        if self._core.shadow is None:
+            state = self._docked.update(now, self._contact, goal=self._core.sequence.active)
+            self._dock_states.tell(self._out.stamp, state)
+
+    def _send(self, step: Step, *, ask: bool = True, release: bool = True) -> None:
         command = self._core.vehicle.command(step.command)
-        fresh = step.result is not None or self._behind() <= OUT_OF_DATE
-        if fresh and (step.phase is not Phase.PAUSED or self._zeros > 0):  # paused: no consent, nothing to ask for
+        if ask and (step.phase is not Phase.PAUSED or self._zeros > 0):  # paused: no consent, and nothing to ask for
             self._out.request(command.v, command.omega)
             self._zeros = max(0, self._zeros - 1)
         self._report(command, step.phase.name)
@@ -284,9 +290,11 @@ class DockingNode:
 
     def _take_docks(self, loaded: Loaded[Core]) -> str:
         """Empty, or why these docks are not used."""
-        name, stands_at = self._core.dock.name, self._docked.state.dock
-        if stands_at and stands_at not in loaded.cores:
-            return f"the chair stands docked at {stands_at}, which is not among them: undock first"
+        name = self._core.dock.name
+        if name not in loaded.cores:
+            stands = self._docked.why_not_to(loaded.database.configured, search=False)
+            if stands:
+                return f"{name} is not among them, and {stands}"
         self._docks.take(loaded)
         if name in loaded.cores and loaded.cores[name] is self._core:
             self._dock_services.tell_again()

@@ -18,12 +18,13 @@ _FOLLOWS = 1.0  # [s] by then perception looks for the dock that it was told
 class DockServices:
     """What rospy's threads are asked, the worker decides."""
 
-    def __init__(self, docks: Docks[Any], ask: Callable[[Callable[[], str]], str]) -> None:
-        """`ask(work)`: the answer of `work` from the worker, empty or why not."""
+    def __init__(self, docks: Docks[Any], ask: Callable[[Callable[[], str]], str], *, speaks: bool = True) -> None:
+        """`ask(work)`: the answer of `work` from the worker, empty or why not. `speaks` False: another node says which
+        dock is in use."""
         self._docks, self._ask = docks, ask
         self._in_use, self._since = "", rospy.Time()
         self.loading = False  # no goal begins then
-        self._publisher = rospy.Publisher("dock_in_use", DockInUse, queue_size=1, latch=True)
+        self._publisher = rospy.Publisher("dock_in_use", DockInUse, queue_size=1, latch=True) if speaks else None
 
     def offer(self, refusal: Callable[[], str], take: Callable[[Loaded[Any]], str]) -> None:
         """Advertise both services. In the worker: `refusal` says why the docks may not be loaded anew now (empty: they
@@ -37,16 +38,16 @@ class DockServices:
     def use(self, name: str, since: rospy.Time) -> None:
         """Tell everybody that this dock is looked for, from the stamp `since` on."""
         entry, self._in_use, self._since = self._docks.database.entry(name), name, since
-        self._publisher.publish(
-            DockInUse(
-                name=name,
-                revision=self._docks.revision(name),
-                source=entry.source,
-                since=since,
-                known=self._docks.database.names,
-                content=entry.content,
-            )
+        message = DockInUse(
+            name=name,
+            revision=self._docks.revision(name),
+            source=entry.source,
+            since=since,
+            known=self._docks.database.names,
+            content=entry.content,
         )
+        if self._publisher is not None:
+            self._publisher.publish(message)
 
     def tell_again(self) -> None:
         """The docks were loaded anew; the one in use is the same."""
