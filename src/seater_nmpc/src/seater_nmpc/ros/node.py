@@ -16,6 +16,7 @@ from std_msgs.msg import Bool, Header
 
 from seater_msgs.msg import MarkerDetectionArray, ObstacleArray
 from seater_nmpc.control.command import Command
+from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.plan.left_bays import LeftBays
 from seater_nmpc.ros import conversions
 from seater_nmpc.ros.core import Core, CoreMaker, flag
@@ -53,6 +54,7 @@ class DockingNode:
         self._period = core.parameters.control.control_period
         self._cycle, self._zeros, self._fallbacks_before = -1, 0, 0
         self._contact: bool | None = None
+        self._odometry: Odometry | None = None  # the newest that was of use
         self._queue: queue.Queue[tuple[str, Any]] = queue.Queue()
         self._clock: Callable[[], float] = rospy.get_time if lock_step else time.monotonic
         self._last_odometry, self._last_stamp = self._clock(), rospy.Time()
@@ -141,7 +143,10 @@ class DockingNode:
             self._docked.forget()
             self._left_bays.forget()
             self._cycle, self._last_stamp = -1, rospy.Time()
-        if not self._core.sequence.add_odometry(self._core.vehicle.odometry(conversions.odometry(message))):
+        odometry = conversions.odometry(message)
+        if self._core.sequence.add_odometry(self._core.vehicle.odometry(odometry)):
+            self._odometry = odometry
+        else:
             rospy.logwarn_throttle(1.0, "odometry refused: not finite, or its stamp %.3f is not newer", stamp)
         self._out.stamp = max(self._out.stamp, message.header.stamp) if self._cycle >= 0 else message.header.stamp
         self._out.odom_frame = message.header.frame_id or self._out.odom_frame
@@ -274,6 +279,8 @@ class DockingNode:
         self._left_bays.use(core.dock)
         self._obstacles.leave_dock(None if estimate is None else estimate.pose)
         core.forget()
+        if self._odometry is not None:
+            core.sequence.add_odometry(core.vehicle.odometry(self._odometry))
         self._core = core
         self._diagnostics.use(core.controller, core.observer)
         self._zone.use(core.vehicle.chair, core.dock)
