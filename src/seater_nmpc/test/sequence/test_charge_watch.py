@@ -55,6 +55,14 @@ def test_a_bounce_of_the_contact_moves_nothing(make_world) -> None:
     assert "RETRY" not in world.phases
 
 
+def test_a_contact_that_opens_at_the_very_end_is_no_success(make_world) -> None:
+    world = start(make_world, contact=closes)
+    world.run(10.0, lambda step: step.phase is Phase.HOLDING)
+    end = world.now + 5.0
+    world.contact = lambda w: closes(w) and w.now < end - 0.2
+    assert world.run(10.0, lambda step: step.phase is Phase.RETRY).phase is Phase.RETRY
+
+
 def test_a_contact_that_never_stays_ends_the_goal(make_world) -> None:
     world = start(make_world)
     world.contact = lambda w: closes(w) and w.sequence._goal.phase is not Phase.HOLDING

@@ -96,7 +96,7 @@ class AtDock:
         self._closed = now if c.goal.contact else self._closed
         if now - self._closed > _OPENED:
             return c.try_again(ResultCode.FAILED_TO_CHARGE, "the charging contact has opened again")
-        if now - c.goal.deadlines.entered > c.parameters.charge_watch:
+        if c.goal.contact and now - c.goal.deadlines.entered > c.parameters.charge_watch:
             raise GoalEnd(ResultCode.SUCCESS, Verdict.DOCKED.value)
         return replace(STANDING, text="docked, watches the contact")
 
