@@ -68,6 +68,14 @@ class Drive:
                 return True
         return False
 
+    def standing(self, duration: float) -> list[Odometry]:
+        """Odometry of a chair that stands for so long [s]; not delivered."""
+        self._speed, messages = (0.0, 0.0), []
+        for _ in range(round(duration / STEP)):
+            self._steps += 1
+            messages.append(self.odometry())
+        return messages
+
     def odometry(self) -> Odometry:
         message = Odometry(child_frame_id="base_link")
         message.header.stamp, message.header.frame_id = self.stamp, "odom"

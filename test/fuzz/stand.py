@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -36,7 +37,9 @@ def parameters() -> dict[str, Any]:
 class Stand:
     """Holds the node, delivers messages to it, and checks all that it sends."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, **changes: Any) -> None:
+        """`changes` of the node's private parameters."""
+        self._parameters = parameters() | {f"~{key}": value for key, value in changes.items()}
         self.sent: dict[str, list[Any]] = {}
         self.errors: list[str] = []  # of handlers
         self.violations: list[str] = []
@@ -50,11 +53,26 @@ class Stand:
         monkeypatch.setattr(rospy, "is_shutdown", lambda: self.node._queue.empty())
         self.limits = self.node._core.vehicle.chair.limits
 
-    def deliver(self, topic: str, message: Any) -> None:
-        """One message, worked off at once."""
+    def arrive(self, topic: str, message: Any) -> None:
+        """One message, which waits."""
         message._connection_header = {"callerid": "/hostile"}  # as rospy does
         self._inputs[topic](message)
+
+    def deliver(self, topic: str, message: Any) -> None:
+        """One message, worked off at once."""
+        self.arrive(topic, message)
         self.node._work()
+
+    def call(self, service: str) -> Any:
+        """The answer of a service without arguments. The worker gets its turn whenever it is asked."""
+        answers: list[Any] = []
+        caller = threading.Thread(target=lambda: answers.append(self.services[service](None)))
+        caller.start()
+        while caller.is_alive():
+            if not self.node._queue.empty():
+                self.node._work()
+            caller.join(0.001)
+        return answers[0]
 
     def give(self, kind: str, goal: Any) -> None:
         """A goal of the action `kind`."""
@@ -99,7 +117,7 @@ class Stand:
         def offered(name: str, _: Any, handler: Callable[[Any], Any]) -> None:
             self.services[name] = handler
 
-        values, silent = parameters(), lambda *_, **__: None
+        values, silent = self._parameters, lambda *_, **__: None
         rospy.rostime.set_rostime_initialized(True)  # of the wall, where no clock is published
         broadcaster = SimpleNamespace(sendTransform=lambda message: self.publish("/tf", message))
         replaced = {

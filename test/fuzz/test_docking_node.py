@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -108,6 +109,55 @@ def test_one_unusable_odometry_from_the_future_blocks_nothing(stand: Stand) -> N
     stand.deliver("odom", message)
     drive.advance(0.5)
     assert drive.docks(RECOVERS), last(stand)
+
+
+def test_after_a_pause_only_the_newest_odometry_moves_the_chair(stand: Stand) -> None:
+    """A search for a way takes a second on a busy machine: commands for each cycle of that second came at once, and the
+    chair, whose odometry was as old, counted as blocked."""
+    drive = Drive(stand)
+    assert drive.docks(RECOVERS), last(stand)
+    stand.sent["velocity_request"].clear()
+    waiting = drive.standing(1.0)
+    for message in waiting:
+        stand.arrive("odom", message)
+    stand.node._work()
+    requests = stand.sent["velocity_request"]
+    assert 1 <= len(requests) <= 2 and requests[-1].header.stamp >= waiting[-1].header.stamp - rospy.Duration(
+        0, 50000000
+    )
+    assert stand.active, last(stand)
+    stand.node._abort(ResultCode.CANCELED, "the test ends")
+
+
+def test_what_took_too_long_to_work_out_is_not_asked_for(stand: Stand, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The gate ends the consent for a request with an old stamp; after silence, which brakes, the goal goes on."""
+    drive = Drive(stand)
+    assert drive.docks(RECOVERS), last(stand)
+    update, sent = stand.node._core.sequence.update, len(stand.sent["velocity_request"])
+
+    def slow(*arguments: Any) -> Any:
+        time.sleep(0.25)
+        return update(*arguments)
+
+    with monkeypatch.context() as busy:
+        busy.setattr(stand.node._core.sequence, "update", slow)
+        drive.advance(0.1)
+    assert len(stand.sent["velocity_request"]) == sent
+    drive.advance(0.1)
+    assert len(stand.sent["velocity_request"]) > sent and stand.active, last(stand)
+    stand.node._abort(ResultCode.CANCELED, "the test ends")
+
+
+def test_a_watchdog_that_was_late_itself_ends_nothing(stand: Stand) -> None:
+    drive = Drive(stand)
+    assert drive.docks(RECOVERS), last(stand)
+    stand.node._enqueue("watchdog", None)
+    stand.node._work()
+    assert stand.active, last(stand)
+    time.sleep(0.35)  # odometry_timeout
+    stand.node._enqueue("watchdog", None)
+    stand.node._work()
+    assert stand.results[-1].result_code == DockResult.ODOMETRY_LOST and not stand.active
 
 
 def test_a_second_goal_replaces_the_first_and_the_other_action_is_busy(stand: Stand) -> None:

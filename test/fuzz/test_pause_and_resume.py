@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-import threading
 from collections.abc import Iterator
 
 import pytest
 from drive import Drive
 from stand import Stand
-from std_srvs.srv import TriggerRequest, TriggerResponse
+from std_srvs.srv import TriggerResponse
 
 from seater_msgs.msg import DockFeedback, DockGoal, DockResult, GateState
 from seater_msgs.srv import GateArmResponse
@@ -35,18 +34,6 @@ def stopped(stand: Stand, drive: Drive, by: int) -> None:
     drive.gate_state = lambda: GateState(consent=stand.consent, motion_allowed=True)  # type: ignore[method-assign]
 
 
-def call(stand: Stand) -> TriggerResponse:
-    """The service, with the worker's turn in between."""
-    answers: list[TriggerResponse] = []
-    caller = threading.Thread(target=lambda: answers.append(stand.services["docking_resume"](TriggerRequest())))
-    caller.start()
-    while stand.node._queue.empty():
-        pass
-    stand.node._work()
-    caller.join()
-    return answers[0]
-
-
 @pytest.mark.parametrize("by", [GateState.USER, GateState.EMERGENCY_STOP])
 def test_a_stop_by_a_person_pauses_until_resumed(stand: Stand, by: int) -> None:
     drive = Drive(stand)
@@ -58,7 +45,7 @@ def test_a_stop_by_a_person_pauses_until_resumed(stand: Stand, by: int) -> None:
     assert stand.sent["feedback"][-1].phase == DockFeedback.PAUSED
     requests = stand.sent["velocity_request"]
     assert requests[-1].twist.linear.x == 0.0 and requests[-1].header.stamp < drive.stamp  # and silence afterwards
-    assert call(stand) == TriggerResponse(True, "") and stand.consent == consent + 1
+    assert stand.call("docking_resume") == TriggerResponse(True, "") and stand.consent == consent + 1
     assert drive.docks(RECOVERS)
 
 
@@ -69,19 +56,19 @@ def test_a_gate_that_refuses_keeps_it_paused(stand: Stand, monkeypatch: pytest.M
     pressed = GateArmResponse(granted=False, state=GateState.EMERGENCY_STOP, reason="the emergency stop is pressed")
     with monkeypatch.context() as refusing:
         refusing.setattr(stand.node._gate._service, "_answer", lambda: pressed)
-        assert call(stand) == TriggerResponse(False, "the emergency stop is pressed")
+        assert stand.call("docking_resume") == TriggerResponse(False, "the emergency stop is pressed")
     drive.advance(1.0)
     assert stand.active and stand.sent["feedback"][-1].phase == DockFeedback.PAUSED
-    assert call(stand).success and drive.docks(RECOVERS)
+    assert stand.call("docking_resume").success and drive.docks(RECOVERS)
 
 
 def test_an_old_call_resumes_nothing(stand: Stand, monkeypatch: pytest.MonkeyPatch) -> None:
     drive = Drive(stand)
     assert drive.docks(RECOVERS)
-    assert call(stand) == TriggerResponse(False, "no goal is paused")
+    assert stand.call("docking_resume") == TriggerResponse(False, "no goal is paused")
     stopped(stand, drive, GateState.USER)
     monkeypatch.setattr(resume, "FRESH", -1.0)
-    assert call(stand) == TriggerResponse(False, "the docking node was busy for too long")
+    assert stand.call("docking_resume") == TriggerResponse(False, "the docking node was busy for too long")
     drive.advance(0.5)
     assert stand.sent["feedback"][-1].phase == DockFeedback.PAUSED
 

@@ -53,7 +53,8 @@ def test_result_codes_are_those_of_the_action_and_each_says_what_to_do() -> None
 def test_every_message_and_status_is_listed() -> None:
     folder, text = ROOT / "src" / "seater_msgs" / "msg", section("Messages")
     assert set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE)) == {path.stem for path in folder.glob("*.msg")}
-    for title, message in (("Messages", "ControllerStatus"), ("Innovations", "DockInnovation")):
+    titles = {"Messages": "ControllerStatus", "Innovations": "DockInnovation", "Dock state": "DockState"}
+    for title, message in titles.items():
         constants = {(number, name) for name, number in CONSTANT.findall((folder / f"{message}.msg").read_text())}
         assert set(re.findall(r"^\| (\d+) \| ([A-Z_]+) \|", section(title), re.MULTILINE)) == constants
 

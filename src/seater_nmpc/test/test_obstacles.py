@@ -52,6 +52,16 @@ def test_bound_to_the_dock_they_move_with_it() -> None:
         assert seen == pytest.approx(BOX)
 
 
+def test_those_of_a_dock_stay_where_they_are_when_another_one_is_looked_for() -> None:
+    memory, other = ObstacleMemory(0.0), np.array([0.5, 2.0, -0.4])
+    memory.replace([BOX], bound_to_dock=True)
+    memory.leave_dock(DOCK)
+    assert transform_points(other, memory.in_dock(other)[0]) == pytest.approx(transform_points(DOCK, BOX))
+    memory.replace([BOX], bound_to_dock=True)
+    memory.leave_dock(None)
+    assert memory.in_dock(other) == []
+
+
 def test_a_message_replaces_the_one_before() -> None:
     memory = ObstacleMemory(0.0)
     memory.replace([BOX, BOX + 3.0], bound_to_dock=True)

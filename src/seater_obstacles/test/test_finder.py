@@ -1,6 +1,7 @@
 """From scans to what has to be kept clear of."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -124,6 +125,15 @@ def test_nothing_is_remembered_for_ever_nor_across_a_jump_of_time() -> None:
         f = finder()
         f.update(10.0, scan(ahead, thing, 0.7), ahead, None)
         assert f.update(stamp, scan(ORIGIN, thing, 0.7), ORIGIN, None).remembered == 0
+
+
+def test_another_dock_can_be_exempted_instead() -> None:
+    dock, wide = np.array([2.5, 0.2, 0.1]), replace(DOCK, bay=replace(DOCK.bay, width=1.6))
+    walls = placed(dock, wide.bay.outlines())
+    f = finder()
+    assert len(f.update(10.0, scan(ORIGIN, walls), ORIGIN, dock).points) > 0
+    f.use_dock(wide)
+    assert len(f.update(10.1, scan(ORIGIN, walls), ORIGIN, dock).points) == 0
 
 
 def test_what_turns_out_to_be_the_dock_is_not_remembered() -> None:

@@ -2,9 +2,9 @@
 // server says so, too. Whatever ends that ends the press; only lifting the finger and pressing again begins a new one.
 
 export class Buttons {
-  // send(message): false when there is no connection; notice(text)
-  constructor(buttons, stop, { send, notice }) {
-    Object.assign(this, { buttons, send, notice, press: 0, held: null, granted: false, ready: false, taken: false });
+  // send(message): false when there is no connection; notice(text); dock(): the chosen dock, empty: the configured one
+  constructor(buttons, stop, { send, notice, dock = () => "" }) {
+    Object.assign(this, { buttons, send, notice, dock, press: 0, held: null, granted: false, ready: false, taken: false });
     for (const button of buttons) this.wire(button);
     stop.addEventListener("pointerdown", () => this.stop());
     stop.addEventListener("keydown", (event) => [" ", "Enter"].includes(event.key) && this.stop());
@@ -43,7 +43,7 @@ export class Buttons {
   begin(button) {
     if (this.held || button.disabled) return;
     this.press += 1;
-    if (!this.send({ press: this.press, action: button.dataset.action })) {
+    if (!this.send({ press: this.press, action: button.dataset.action, dock: this.dock() })) {
       this.notice("No connection: nothing was sent.");
       return;
     }

@@ -42,6 +42,7 @@ const known = (value, digits, unit) => value === null ? "–" : `${value.toFixed
 
 function show(view) {
   put("dock", view.dock);
+  offer(view.docks, view.dock);
   const begins = buttons.granted && !view.active;  // the docking node has not answered yet
   put("title", begins ? "Starting" : view.title);
   put("reason", begins ? "" : view.reason);
@@ -57,6 +58,17 @@ function show(view) {
   $("no-image").hidden = view.image;
   put("frame", view.scene.frame === "dock" ? "" : "the dock has not been seen yet");
   scene.draw(view.scene);
+}
+
+// A list to choose from, where there are several docks; it keeps the choice, and begins with the dock in use.
+function offer(docks, inUse) {
+  const list = $("docks"), several = docks.length > 1;
+  list.hidden = !several;
+  $("dock").hidden = several;
+  const shown = [...list.options].map((option) => option.value);
+  if (docks.join("\n") === shown.join("\n")) return;
+  const chosen = docks.includes(list.value) ? list.value : inUse;
+  list.replaceChildren(...docks.map((name) => new Option(name, name, false, name === chosen)));
 }
 
 function lastResult({ action, code, name, error, age }) {
@@ -82,6 +94,7 @@ const scene = new Scene($("scene"));
 let link = null;
 const buttons = new Buttons([...document.querySelectorAll("button.hold")], $("stop"), {
   send: (message) => Boolean(link && link.send(message)), notice,
+  dock: () => $("docks").hidden ? "" : $("docks").value,
 });
 
 function onMessage({ view, hold }) {

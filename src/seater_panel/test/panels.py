@@ -46,9 +46,9 @@ class FakeChair:
     def refusal(self) -> str:
         return self.refused
 
-    def send(self, action: str) -> None:
+    def send(self, action: str, dock: str) -> None:
         self.goal = action
-        self._say(action)
+        self._say(f"{action} {dock}".rstrip())
 
     def cancel(self) -> None:
         self.goal = ""
@@ -121,10 +121,10 @@ class Client:
         client._reader = asyncio.create_task(client._answer())
         return client
 
-    async def begin(self, action: str = "dock") -> None:
+    async def begin(self, action: str = "dock", **dock: str) -> None:
         self.press += 1
         self._held = self.press
-        await self.say(press=self.press, action=action)
+        await self.say(press=self.press, action=action, **dock)
 
     async def release(self) -> None:
         self._held = 0

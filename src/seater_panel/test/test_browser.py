@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from browser import Browser, Page
 from panels import FakePanel, until
 from phone import DOCK, STOP, UNDOCK, is_let_go, press, run
 
+from seater_common.geometry import Dock
 from seater_panel.ros.image import to_jpeg
 
 
@@ -25,6 +27,20 @@ def test_a_finger_holds_and_lets_go(browser: Browser) -> None:
             await is_let_go(panel)
             await page.until(f"!document.querySelector('{selector}').classList.contains('held')")
             await until(lambda: not panel.chair.goal)
+
+    run(browser, test)
+
+
+def test_one_of_several_docks_is_chosen_from_a_list(browser: Browser) -> None:
+    async def test(panel: FakePanel, page: Page) -> None:
+        hidden = "document.getElementById('docks').hidden"
+        assert await page.value(hidden)  # there is one dock only
+        panel.heard = replace(panel.heard, in_use=replace(Dock(), name="lab"), docks=("lab", "hall"))
+        await page.until(f"!{hidden} && document.getElementById('docks').value === 'lab'")
+        await page.value("document.getElementById('docks').value = 'hall'")
+        await asyncio.sleep(0.3)  # the next views leave it as it is
+        await press(panel, page)
+        assert "dock hall" in panel.chair.words()
 
     run(browser, test)
 

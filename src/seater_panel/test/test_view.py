@@ -48,6 +48,16 @@ def test_the_scene_is_seen_from_the_dock() -> None:
     assert found["plates"][0]["ends"] == [[0.9, 0.05], [0.9, -0.05]]
 
 
+def test_the_dock_in_use_is_shown_and_the_others_are_named() -> None:
+    wide = replace(Dock(), name="hall", bay=replace(Dock().bay, back_wall_x=1.5))
+    found = shown(replace(ALL, in_use=wide, docks=("lab", "hall")))
+    assert (found["dock"], found["docks"]) == ("hall", ["lab", "hall"])
+    assert found["scene"]["bay"] == [
+        [pytest.approx(corner) for corner in outline.tolist()] for outline in wide.bay.outlines()
+    ]
+    assert (shown(ALL)["dock"], shown(ALL)["docks"]) == ("default", [])
+
+
 def test_path_and_obstacles_in_odom_are_seen_from_the_dock() -> None:
     planned = Planned(time=NOW, path=np.array([[2.0, -0.5]]))
     told = Outlines(in_dock=False, polygons=(np.array([[1.0, 0.0], [1.0, 1.0], [0.5, 0.5]]),))

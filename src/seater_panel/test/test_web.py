@@ -32,6 +32,15 @@ def test_hold_release_and_stop() -> None:
     run(test, timeout=2.0)
 
 
+def test_a_page_names_the_dock_of_its_goal() -> None:
+    async def test(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> None:
+        client = await Client.connect(http, url)
+        await client.begin("dock", dock="hall")
+        await until(lambda: "dock hall" in panel.chair.words())
+
+    run(test, timeout=2.0)
+
+
 async def held(panel: FakePanel, http: aiohttp.ClientSession, url: str) -> Client:
     """A page that holds; tried again where the machine is busy."""
     client = await Client.connect(http, url)

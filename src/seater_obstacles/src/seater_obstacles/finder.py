@@ -47,10 +47,14 @@ class ObstacleFinder:
 
     def __init__(self, settings: ObstacleSettings, chair: Chair, dock: Dock) -> None:
         self._settings, self._chair = settings, chair
-        self._shape = DockShape(dock, settings.sense.dock_margin)
+        self.use_dock(dock)
         self._memory = Memory(settings.track.memory, settings.cluster.cell)
         self._ways = Memory(settings.track.lost, settings.cluster.cell)  # of moving things
         self._tracks = Tracks(settings.track)
+
+    def use_dock(self, dock: Dock) -> None:
+        """Another dock is exempted from now on."""
+        self._shape = DockShape(dock, self._settings.sense.dock_margin)
 
     def update(self, stamp: float, sight: Sight, T_odom_base: ArrayLike, T_odom_dock: ArrayLike | None) -> Found:
         """What is in the way after the sight of `stamp` [s].

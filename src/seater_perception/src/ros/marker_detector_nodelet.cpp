@@ -12,6 +12,7 @@
 #include <mutex>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "dock_choice.h"
 #include "odometry_motion.h"
 #include "ros_diagnostics.h"
 #include "ros_messages.h"
@@ -40,8 +41,10 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
       NODELET_FATAL("%s", error.what());
       throw;
     }
+    choice_ = std::make_unique<DockChoice>(parameters_.dock, parameters_.dock_name);
     const std::lock_guard<std::mutex> lock(connect_mutex_);
     ros::NodeHandle& nh = getNodeHandle();
+    dock_in_use_ = nh.subscribe("dock_in_use", 1, &MarkerDetectorNodelet::onDock, this);
     transport_ = std::make_unique<image_transport::ImageTransport>(nh);
     diagnostics_ =
         std::make_unique<Diagnostics>(nh, getPrivateNodeHandle(), getName(), parameters_.perception.diagnostics);
@@ -119,6 +122,18 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     });
   }
 
+  /// Another dock is looked for from the next image on, as a first image.
+  void onDock(const seater_msgs::DockInUseConstPtr& dock) {
+    try {
+      if (!choice_->take(*dock)) return;
+      forget();
+      detector_.reset();
+      NODELET_INFO("looks for dock %s (%s)", dock->name.c_str(), dock->source.c_str());
+    } catch (const std::exception& error) {
+      NODELET_ERROR("still looks for dock %s: %s", choice_->name().c_str(), error.what());
+    }
+  }
+
   /// An image that cannot be worked through is reported and leaves no trace in the outputs.
   template <typename Work>
   void guarded(const Work& work) {
@@ -140,7 +155,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     detector_.reset();
     const CameraModel camera =
         parameters_.rectified ? CameraModel::rectified(calibration) : CameraModel::raw(calibration);
-    detector_ = std::make_unique<DockTracker>(camera, parameters_.dock, parameters_.perception, parameters_.mount);
+    detector_ = std::make_unique<DockTracker>(camera, choice_->layout(), parameters_.perception, parameters_.mount);
     calibration_ = calibration;
   }
 
@@ -163,6 +178,8 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
       NODELET_WARN_THROTTLE(10.0, "marker %d is seen at several places: none of them is used", result.repeated[0].id);
     }
     seater_msgs::MarkerDetectionArray message = toMessage(result, header);
+    message.dock_name = choice_->name();
+    message.dock_revision = choice_->revision();
     message.processing_time = std::chrono::duration<double>(Clock::now() - begin).count();
     detections_.publish(message);
     if (!message.dock.empty()) {
@@ -189,13 +206,15 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
                         double latency, double processing_time) {
     char line[120];
     std::snprintf(line, sizeof(line), "latency %.0f ms, processing %.1f ms", 1e3 * latency, 1e3 * processing_time);
-    const cv::Mat image = annotate(grey, detector_->camera(), parameters_.dock, result, {line});
+    const cv::Mat image = annotate(grey, detector_->camera(), choice_->layout(), result, {line});
     annotated_.publish(cv_bridge::CvImage(header, "bgr8", image).toImageMsg());
   }
 
   using Synchroniser = message_filters::TimeSynchronizer<sensor_msgs::CompressedImage, sensor_msgs::CameraInfo>;
 
   NodeParameters parameters_;
+  std::unique_ptr<DockChoice> choice_;
+  ros::Subscriber dock_in_use_;
   std::unique_ptr<DockTracker> detector_;
   Calibration calibration_;  // of detector_
   std::mutex connect_mutex_;

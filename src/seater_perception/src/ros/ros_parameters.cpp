@@ -46,12 +46,12 @@ std::string readTransport(const ros::NodeHandle& handle) {
   throw ConfigurationError(handle.resolveName("image_transport") + ": is '" + name + "', must be raw or compressed");
 }
 
-std::string readFrame(const ros::NodeHandle& handle) {
+/// Empty where the key is not set. `meaning`: what a message says that the text must be.
+std::string readText(const ros::NodeHandle& handle, const std::string& key, const std::string& meaning) {
   XmlRpcValue found;
-  if (!handle.getParam("odometry_frame", found)) return "";
+  if (!handle.getParam(key, found)) return "";
   if (found.getType() == XmlRpcValue::TypeString) return static_cast<std::string>(found);
-  throw ConfigurationError(handle.resolveName("odometry_frame") + ": is " + found.toXml() +
-                           ", must be the name of a TF frame (text), or empty for none");
+  throw ConfigurationError(handle.resolveName(key) + ": is " + found.toXml() + ", must be " + meaning);
 }
 
 YAML::Node toYamlMap(XmlRpcValue value) {
@@ -98,12 +98,15 @@ NodeParameters loadNodeParameters(const ros::NodeHandle& handle) {
   std::string problems;
   const auto name = [&](const char* key) { return handle.resolveName(key); };
   collect(problems, [&] { p.dock = loadDockLayout(read(handle, "dock"), name("dock")); });
+  collect(problems, [&] { p.dock_name = readText(handle, "dock/name", "a text"); });
   collect(problems, [&] { p.perception = loadPerceptionParameters(read(handle, "perception"), name("perception")); });
   collect(problems, [&] { p.mount = loadCameraMount(read(handle, "chair/camera"), name("chair/camera")); });
   collect(problems, [&] { readBoolean(handle, "rectified", true, p.rectified); });
   collect(problems, [&] { readBoolean(handle, "lazy", false, p.lazy); });
   collect(problems, [&] { p.image_transport = readTransport(handle); });
-  collect(problems, [&] { p.odometry_frame = readFrame(handle); });
+  collect(problems, [&] {
+    p.odometry_frame = readText(handle, "odometry_frame", "the name of a TF frame (text), or empty for none");
+  });
   if (!problems.empty()) throw ConfigurationError(problems);
   return p;
 }

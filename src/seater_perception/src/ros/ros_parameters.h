@@ -12,6 +12,7 @@ namespace seater_perception {
 /// The node's private parameters.
 struct NodeParameters {
   DockLayout dock;                  ///< ~dock: a file of config/docks
+  std::string dock_name;            ///< ~dock/name; empty (default): it is not told apart from others
   PerceptionParameters perception;  ///< ~perception: config/perception.yaml
   CameraMount mount;                ///< ~chair/camera (config/chair.yaml)
   bool rectified = false;           ///< ~rectified: images are rectified (P) or raw (K, D); required

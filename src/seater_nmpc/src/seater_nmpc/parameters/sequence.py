@@ -37,6 +37,12 @@ class SequenceParameters:
     )
     max_start_distance: float = param(6.0, "m", "largest distance of the dock at the start", low=0.5, high=50.0)
     max_retries: int = param(2, "", "times the chair backs out and tries again", low=0, high=20)
+    failed_end: str = param(
+        "stay",
+        "",
+        "where a chair that sees the dock and could not dock ends: where it is, or backed out to the predock point",
+        choices=("stay", "predock"),
+    )
     retry_distance: float = param(
         1.0, "m", "how far it backs out then, if it stands nearly right (at most to predock_x)", low=0.1, high=5.0
     )
@@ -102,6 +108,13 @@ class SequenceParameters:
         0.08, "m", "distance at which the predock point counts as reached", low=0.005, high=0.5
     )
     predock_heading: float = param(0.10, "rad", "the same for the heading error", low=0.005, high=0.5)
+    charge_watch: float = param(
+        0.0,
+        "s",
+        "how long a docked chair's goal goes on and docks again when the contact opens; 0: it ends at once",
+        low=0.0,
+        high=60.0,
+    )
     contact_wait: float = param(1.0, "s", "waiting for the contact before nudging, and after it", low=0.0, high=30.0)
     nudge_distance: float = param(0.015, "m", "farthest nudge forward for the contact", low=0.0, high=0.1)
     nudge_speed: float = param(0.02, "m/s", "speed of the nudge", low=0.001, high=0.1)

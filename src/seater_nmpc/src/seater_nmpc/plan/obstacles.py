@@ -57,6 +57,13 @@ class ObstacleMemory:
         self._outlines, self._bound_to_dock, self._since = list(outlines), bound_to_dock, None
         self._told = True
 
+    def leave_dock(self, T_odom_dock: ArrayLike | None) -> None:
+        """Another dock is looked for: what was bound to the one before stays where it is, as far as that is known."""
+        if not self._bound_to_dock:
+            return
+        self._bound_to_dock, bound = False, self._outlines
+        self._outlines = [] if T_odom_dock is None else [transform_points(T_odom_dock, outline) for outline in bound]
+
     def stale(self, now: float) -> bool:
         """Whether what was told is older than the time-out at message time `now` [s]; it holds all the same.
 

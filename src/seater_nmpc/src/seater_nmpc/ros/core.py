@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import rospy
 
 from seater_common.camera_model import CameraModel
+from seater_common.docks import DockEntry
 from seater_common.geometry import Chair, Dock
 from seater_common.params import load
 from seater_nmpc.checks.setup import check_setup
@@ -35,52 +36,63 @@ class Core:
     sequence: DockingSequence
     shadow: Shadow | None  # set in shadow mode
 
+    def forget(self) -> None:
+        """The chair's way so far, and the dock: time or the dock in use has changed."""
+        self.observer.odometry.clear()
+        self.observer.images.shown.clear()
+        self.observer.reset()
 
-def load_core(*, lock_step: bool) -> Core:
-    """From ~chair, ~dock, ~controller, ~camera (the files in config/), ~shadow, ~rectified and ~require_contact; ready
-    for the first cycle.
 
-    Raises:
-        ValueError: a parameter is missing, unknown, of the wrong type or out of range, or two do not fit together.
-    """
-    chair = load(Chair, rospy.get_param("~chair", None), rospy.resolve_name("~chair"))
-    dock = load(Dock, rospy.get_param("~dock", None), rospy.resolve_name("~dock"))
-    vehicle = Vehicle(chair, dock)
-    chair = vehicle.chair  # from here on it docks forward
-    given = load(NmpcParameters, rospy.get_param("~controller", None), rospy.resolve_name("~controller"))
-    shadow = flag("~shadow")
-    camera = load_camera(rectified=flag("~rectified"))
-    parameters, warnings = check_setup(chair, dock, given, camera)
-    for text in warnings:
-        rospy.logwarn(text)
-    controller = DockingController(chair, dock, parameters.control, deterministic=lock_step, camera=camera)
-    observer = DockObserver(chair.camera, parameters.observer, standing=not shadow)
-    navigator = Navigator(chair, dock, parameters.control, parameters.planner, camera)
-    sequence = DockingSequence(
-        chair,
-        dock,
-        controller,
-        observer,
-        parameters.sequence,
-        require_contact=flag("~require_contact"),
-        navigator=navigator,
-        plausibility=parameters.plausibility,
-    )
-    controller.warm_up()  # so that the first cycle is not late
-    if not shadow:
-        navigator.prepare()
-    return Core(
-        dock=dock,
-        given=given,
-        parameters=parameters,
-        camera=camera,
-        lock_step=lock_step,
-        vehicle=vehicle,
-        controller=controller,
-        observer=observer,
-        sequence=sequence,
-        shadow=Shadow(controller, observer, parameters.sequence.max_blind_time) if shadow else None,
-    )
+class CoreMaker:
+    """Makes cores, one for each dock, that differ in nothing but the dock."""
+
+    def __init__(self, *, lock_step: bool) -> None:
+        """From ~chair, ~controller, ~camera (the files in config/), ~shadow, ~rectified and ~require_contact.
+
+        Raises:
+            ValueError: a parameter is missing, unknown, of the wrong type or out of range.
+        """
+        self._lock_step, self._shadow, self._require_contact = lock_step, flag("~shadow"), flag("~require_contact")
+        self._chair = load(Chair, rospy.get_param("~chair", None), rospy.resolve_name("~chair"))
+        self._given = load(NmpcParameters, rospy.get_param("~controller", None), rospy.resolve_name("~controller"))
+        self._camera = load_camera(rectified=flag("~rectified"))
+
+    def make(self, entry: DockEntry) -> Core:
+        """For this dock; ready for the first cycle. Raises ValueError: dock and chair do not fit together."""
+        dock, camera = entry.dock, self._camera
+        vehicle = Vehicle(self._chair, dock)
+        chair = vehicle.chair  # from here on it docks forward
+        parameters, warnings = check_setup(chair, dock, self._given, camera, {"dock": entry.source})
+        for text in warnings:
+            rospy.logwarn("%s: %s", dock.name, text)
+        controller = DockingController(chair, dock, parameters.control, deterministic=self._lock_step, camera=camera)
+        observer = DockObserver(chair.camera, parameters.observer, standing=not self._shadow)
+        navigator = Navigator(chair, dock, parameters.control, parameters.planner, camera)
+        sequence = DockingSequence(
+            chair,
+            dock,
+            controller,
+            observer,
+            parameters.sequence,
+            require_contact=self._require_contact,
+            navigator=navigator,
+            plausibility=parameters.plausibility,
+        )
+        controller.warm_up()  # so that the first cycle is not late
+        if not self._shadow:
+            navigator.prepare()
+        return Core(
+            dock=dock,
+            given=self._given,
+            parameters=parameters,
+            camera=camera,
+            lock_step=self._lock_step,
+            vehicle=vehicle,
+            controller=controller,
+            observer=observer,
+            sequence=sequence,
+            shadow=Shadow(controller, observer, parameters.sequence.max_blind_time) if self._shadow else None,
+        )
 
 
 def flag(name: str) -> bool:

@@ -17,7 +17,8 @@ class Diagnostics:
     """Control rate, solve time, age of the measurement, counters; once a second."""
 
     def __init__(self, controller: DockingController, observer: DockObserver, period: float) -> None:
-        self._controller, self._observer, self._period = controller, observer, period
+        self._period = period
+        self.use(controller, observer)
         self.installation: dict[str, tuple[float, float]] = {}  # of the last goal, see DockingSequence.installation
         self._solve_times: deque[float] = deque(maxlen=200)
         self._age, self._consecutive = -1.0, 0
@@ -29,6 +30,10 @@ class Diagnostics:
         )
         self._updater.add("controller", self._write)
         self._timer = rospy.Timer(rospy.Duration(1.0), lambda _: self._updater.update(), reset=True)
+
+    def use(self, controller: DockingController, observer: DockObserver) -> None:
+        """Those of another dock from now on."""
+        self._controller, self._observer = controller, observer
 
     def cycle(self) -> None:
         """A control cycle began."""

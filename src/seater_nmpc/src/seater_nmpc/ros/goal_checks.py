@@ -9,6 +9,7 @@ import tf2_ros
 from geometry_msgs.msg import PoseStamped
 from numpy.typing import NDArray
 
+from seater_common.docks import DockDatabase, UnknownDockError
 from seater_common.geometry import planar_pose
 from seater_common.messages import matrix_of_pose, matrix_of_transform
 from seater_nmpc.ros.goals import valid_timeout
@@ -23,23 +24,27 @@ class RefusedError(Exception):
         self.code, self.text = code, text
 
 
-def check_goal(
-    kind: str, goal: Any, dock_name: str, transforms: tf2_ros.Buffer, odom_frame: str
-) -> NDArray[np.float64] | None:
-    """The rough dock pose (x, y, heading) in odom that a `dock` goal gives; None if it gives none, or for `undock`.
-
-    An empty goal is one to the configured dock.
+def dock_of(kind: str, goal: Any, docks: DockDatabase, in_use: str) -> str:
+    """The name of the dock that the goal is about: `undock` is about the one in use.
 
     Raises:
-        RefusedError: bad time-out, unknown dock, a pose that is not finite or has no transform at its stamp.
+        RefusedError: the goal names none of these docks.
+    """
+    try:
+        return docks.entry(goal.dock_id).dock.name if kind == "dock" else in_use
+    except UnknownDockError as error:
+        raise RefusedError(ResultCode.DOCK_NOT_IN_DB, str(error)) from None
+
+
+def check_goal(kind: str, goal: Any, transforms: tf2_ros.Buffer, odom_frame: str) -> NDArray[np.float64] | None:
+    """The rough dock pose (x, y, heading) in odom that a `dock` goal gives; None if it gives none, or for `undock`.
+
+    Raises:
+        RefusedError: bad time-out, a pose that is not finite or has no transform at its stamp.
     """
     if not valid_timeout(goal.timeout):
         raise RefusedError(ResultCode.DOCK_NOT_VALID, f"timeout is {goal.timeout}")
-    if kind != "dock":
-        return None
-    if goal.use_dock_id or goal.dock_pose == PoseStamped():
-        if goal.dock_id not in ("", dock_name):
-            raise RefusedError(ResultCode.DOCK_NOT_IN_DB, f"no dock {goal.dock_id!r}")
+    if kind != "dock" or goal.use_dock_id or goal.dock_pose == PoseStamped():
         return None
     try:
         return _prior(goal.dock_pose, transforms, odom_frame)

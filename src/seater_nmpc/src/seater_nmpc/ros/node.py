@@ -14,13 +14,19 @@ import tf2_ros
 from nav_msgs.msg import Odometry as OdometryMsg
 from std_msgs.msg import Bool, Header
 
+from seater_common.docks import DockEntry
 from seater_msgs.msg import MarkerDetectionArray, ObstacleArray
 from seater_nmpc.control.command import Command
+from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.plan.left_bays import LeftBays
 from seater_nmpc.ros import conversions
-from seater_nmpc.ros.core import flag, load_core
+from seater_nmpc.ros.core import Core, CoreMaker, flag
 from seater_nmpc.ros.diagnostics import Diagnostics
+from seater_nmpc.ros.docks.library import Docks, Loaded, read_docks
+from seater_nmpc.ros.docks.services import DockServices
+from seater_nmpc.ros.docks.states import DockStates
 from seater_nmpc.ros.gate import BY_A_PERSON, Gate, Loss
-from seater_nmpc.ros.goal_checks import RefusedError, check_goal
+from seater_nmpc.ros.goal_checks import RefusedError, check_goal, dock_of
 from seater_nmpc.ros.goals import ClientWatch, Goals
 from seater_nmpc.ros.live.server import LiveParameters
 from seater_nmpc.ros.obstacles import Obstacles
@@ -28,22 +34,31 @@ from seater_nmpc.ros.publishers import Publishers
 from seater_nmpc.ros.resume import Call, ResumeService
 from seater_nmpc.ros.speed_zone import SpeedZone
 from seater_nmpc.ros.transforms import TransformBuffer
+from seater_nmpc.sequence.docked import DockWatch
 from seater_nmpc.sequence.goal.results import Phase, ResultCode, Step
 
 ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal, or the beginning of a pause
+OUT_OF_DATE = 0.2  # [s] a request that is based on older odometry is not sent: the gate brakes in silence, too
+LONGEST_BACKLOG = 5.0  # [s] a stamp that is farther ahead is wrong
 TIME_JUMP = 1.0  # [s] odometry this much older than the last one means that time started anew
 
 
 class DockingNode:
-    """Private parameters: ~chair, ~dock, ~controller, ~camera (the files in config/), ~rectified, ~lock_step, ~shadow,
-    ~require_contact, ~dock_frame (name of the dock's frame in TF). Topics: docs/reference/interfaces.md."""
+    """Private parameters: ~chair, ~dock, ~controller, ~camera (the files in config/), ~docks (a folder of further dock
+    files), ~rectified, ~lock_step, ~shadow, ~require_contact, ~dock_frame (name of the dock's frame in TF). Topics:
+    docs/reference/interfaces.md."""
 
     def __init__(self) -> None:
         lock_step, self._dock_frame = flag("~lock_step"), rospy.get_param("~dock_frame", "dock")
-        self._core = core = load_core(lock_step=lock_step)  # before anything is advertised
+        self._lock_step, self._began = lock_step, time.monotonic()  # of the work on the last odometry
+        self._maker = CoreMaker(lock_step=lock_step)
+        self._live: LiveParameters | None = None
+        self._docks: Docks[Core] = Docks(read_docks, self._make_core)  # before all is advertised
+        self._core = core = self._docks.core()
         self._period = core.parameters.control.control_period
         self._cycle, self._zeros, self._fallbacks_before = -1, 0, 0
         self._contact: bool | None = None
+        self._odometry: Odometry | None = None  # the newest that was of use
         self._queue: queue.Queue[tuple[str, Any]] = queue.Queue()
         self._clock: Callable[[], float] = rospy.get_time if lock_step else time.monotonic
         self._last_odometry, self._last_stamp = self._clock(), rospy.Time()
@@ -51,22 +66,35 @@ class DockingNode:
         self._tf = TransformBuffer()
         self._tf_in = tf2_ros.TransformListener(self._tf)
         self._obstacles = Obstacles(self._tf, self._dock_frame, core.parameters.sequence.obstacle_timeout)
+        self._left_bays = LeftBays()
         self._diagnostics = Diagnostics(core.controller, core.observer, self._period)
         self._goals = Goals(self._enqueue)
         self._client = ClientWatch(core.parameters.sequence.client_timeout)
         self._gate = Gate(self._enqueue, lock_step=lock_step)
         self._zone = SpeedZone(core.vehicle.chair, core.dock, core.parameters.sequence.back_out_speed)
+        speaks = core.shadow is None
+        self._dock_services, self._dock_states = DockServices(self._docks, self._ask, speaks=speaks), DockStates()
+        self._docked = DockWatch(require_contact=flag("~require_contact"))
+        self._docked.use(core.vehicle.chair, core.dock, core.observer, core.parameters.sequence)
+        self._dock_services.use(core.dock.name, rospy.Time())
         threading.Thread(target=self._work, daemon=True).start()
         threading.Thread(target=self._watch, daemon=True).start()
         rospy.on_shutdown(self._on_shutdown)
         self._subscribe()
         if core.shadow is None:
-            self._resume = ResumeService(self._enqueue)
+            self._resume = ResumeService(self._ask, self._go_on)
+            self._dock_services.offer(self._why_not_reload, self._take_docks)
             if core.parameters.control.formulation == "docking":  # the other one has neither these weights nor a cap
-                self._live = LiveParameters(lambda: [self._core], self._ask, lambda: self._core.sequence.active)
+                self._live = LiveParameters(self._docks.cores, self._ask, lambda: self._core.sequence.active)
             self._goals.start()
         solver = core.parameters.control.solver
         rospy.loginfo("docking node ready (%s%s)", solver, "" if core.shadow is None else ", shadow")
+
+    def _make_core(self, entry: DockEntry) -> Core:
+        core = self._maker.make(entry)
+        if self._live is not None:
+            self._live.adopt(core)
+        return core
 
     def _subscribe(self) -> None:
         """Callbacks only enqueue, so that every input is worked by one thread in the order of its arrival."""
@@ -92,12 +120,11 @@ class DockingNode:
             "contact": lambda closed: setattr(self, "_contact", bool(closed)),
             "goal": lambda goal: self._on_goal(*goal),
             "cancel": self._on_cancel,
-            "resume": self._on_resume,
-            "live": lambda asked: asked[0].work(asked[1]),
+            "call": lambda call: call.work(),
             "gate": lambda message: self._on_gate(self._gate.on_state(message)),
             "gate silent": lambda _: self._on_gate(self._gate.silence()),
             "client lost": lambda _: self._on_client_lost(),
-            "watchdog": lambda _: self._abort(ResultCode.ODOMETRY_LOST, "no odometry arrives"),
+            "watchdog": lambda _: self._on_watchdog(),
         }
         while not rospy.is_shutdown():
             try:
@@ -121,14 +148,17 @@ class DockingNode:
             self._out.done("charging_contact", Header())
 
     def _on_odometry(self, message: OdometryMsg) -> None:
-        stamp = message.header.stamp.to_sec()
+        stamp, self._began = message.header.stamp.to_sec(), time.monotonic()
         if stamp < self._out.stamp.to_sec() - TIME_JUMP:  # of the last message, whether it was used or not
             self._abort(ResultCode.ODOMETRY_LOST, "time went backward")
-            self._core.observer.odometry.clear()
-            self._core.observer.images.shown.clear()
-            self._core.observer.reset()
+            self._core.forget()
+            self._docked.forget()
+            self._left_bays.forget()
             self._cycle, self._last_stamp = -1, rospy.Time()
-        if not self._core.sequence.add_odometry(self._core.vehicle.odometry(conversions.odometry(message))):
+        odometry = conversions.odometry(message)
+        if self._core.sequence.add_odometry(self._core.vehicle.odometry(odometry)):
+            self._odometry = odometry
+        else:
             rospy.logwarn_throttle(1.0, "odometry refused: not finite, or its stamp %.3f is not newer", stamp)
         self._out.stamp = max(self._out.stamp, message.header.stamp) if self._cycle >= 0 else message.header.stamp
         self._out.odom_frame = message.header.frame_id or self._out.odom_frame
@@ -136,19 +166,30 @@ class DockingNode:
         cycle = math.floor(stamp / self._period + 1e-6)
         if cycle > self._cycle:
             self._cycle = cycle
-            self._control(stamp)
+            if self._behind() <= self._period:
+                self._control(stamp)
+
+    def _behind(self) -> float:
+        """How old the odometry is that is being worked [s], after a long search for a way, say. What would be asked for
+        then is out of date, and the gate would refuse it by its stamp."""
+        if self._lock_step:
+            return 0.0
+        newer = (self._last_stamp - self._out.stamp).to_sec()
+        return max(newer if newer < LONGEST_BACKLOG else 0.0, time.monotonic() - self._began)
 
     def _control(self, now: float) -> None:
         """One control cycle, at the first odometry in each period of message time."""
         self._diagnostics.cycle()
         self._set_obstacles(now)
         self._tell_zone()
+        self._tell_docked(now)
         if self._core.shadow is not None:
             command = self._core.shadow.update(now)
             self._report(self._core.vehicle.command(command or Command(v=0.0, omega=0.0)), "SHADOW")
         elif self._core.sequence.active:
             self._core.sequence.held, self._core.sequence.held_by = self._gate.holds(now), self._gate.held_by
-            self._send(self._core.sequence.update(now, self._contact))
+            step = self._core.sequence.update(now, self._contact)
+            self._send(step, ask=step.result is not None or self._behind() <= OUT_OF_DATE)
         else:
             if self._zeros > 0:
                 self._zeros -= 1
@@ -156,9 +197,12 @@ class DockingNode:
             self._report(Command(v=0.0, omega=0.0), "")
 
     def _set_obstacles(self, now: float) -> None:
-        estimate = self._core.observer.estimate()
+        estimate, newest = self._core.observer.estimate(), self._core.observer.odometry.newest
         dock = self._core.observer.prior if estimate is None else estimate.pose
-        self._core.controller.set_obstacles(self._obstacles.now(self._out.odom_frame, dock))
+        obstacles = self._obstacles.now(self._out.odom_frame, dock)
+        if dock is not None and newest is not None and self._core.parameters.control.walls:
+            obstacles = [*obstacles, *self._left_bays.in_dock(self._core.dock.bay, dock, newest.pose)]
+        self._core.controller.set_obstacles(obstacles)
         self._core.sequence.unsure = self._obstacles.trouble(now)
 
     def _tell_zone(self) -> None:
@@ -167,14 +211,21 @@ class DockingNode:
             dock = None if estimate is None else estimate.pose
             self._zone.update(self._out.stamp, dock, newest.pose, backs_out=self._core.sequence.backs_out)
 
-    def _send(self, step: Step, *, release: bool = True) -> None:
+    def _tell_docked(self, now: float) -> None:
+        if self._core.shadow is None:
+            state = self._docked.update(now, self._contact, goal=self._core.sequence.active)
+            self._dock_states.tell(self._out.stamp, state)
+
+    def _send(self, step: Step, *, ask: bool = True, release: bool = True) -> None:
         command = self._core.vehicle.command(step.command)
-        if step.phase is not Phase.PAUSED or self._zeros > 0:  # there is no consent then, and nothing to ask for
+        if ask and (step.phase is not Phase.PAUSED or self._zeros > 0):  # paused: no consent, and nothing to ask for
             self._out.request(command.v, command.omega)
             self._zeros = max(0, self._zeros - 1)
         self._report(command, step.phase.name)
         self._goals.publish(step)
         if step.result is not None:
+            if step.result.success and not self._core.sequence.staging:
+                self._docked.reached(self._out.stamp.to_sec(), docked=step.phase is not Phase.UNDOCKING)
             self._zeros = ZEROS_AFTER_GOAL
             self._diagnostics.installation = self._core.sequence.installation
             self._client.end()
@@ -190,6 +241,8 @@ class DockingNode:
 
     def _on_detections(self, message: MarkerDetectionArray) -> None:
         stamp = message.header.stamp
+        if not self._dock_services.about(message):
+            return
         hypotheses, markers = conversions.hypotheses(message), conversions.marker_sights(message)
         fusion = self._core.sequence.add_detections(stamp.to_sec(), hypotheses, markers)
         if message.dock:
@@ -206,20 +259,74 @@ class DockingNode:
             return self._goals.refuse(kind, handle, ResultCode.BUSY, f"{self._goals.kind} is active")
         if self._core.observer.odometry.newest is None:
             return self._goals.refuse(kind, handle, ResultCode.ODOMETRY_LOST, "no odometry yet")
+        if self._dock_services.loading:
+            return self._goals.refuse(kind, handle, ResultCode.BUSY, "the docks are being loaded")
         try:
-            prior = check_goal(kind, goal, self._core.dock.name, self._tf, self._out.odom_frame)
+            name = dock_of(kind, goal, self._docks.database, self._core.dock.name)
+            prior = check_goal(kind, goal, self._tf, self._out.odom_frame)
+            if kind == "dock":
+                self._check_way_to(name, search=prior is not None)
             self._gate.arm(undock=kind == "undock")  # a new goal is a new consent
         except RefusedError as refused:
             return self._goals.refuse(kind, handle, refused.code, refused.text)
         self._abort(ResultCode.CANCELED, "replaced by a new goal", release=False)
         self._goals.accept(kind, handle)
+        self._use(name)
         self._client.begin(handle.goal)
         counters = self._core.controller.counters
         self._fallbacks_before = counters.shifted + counters.braked
         if kind == "dock":
-            self._core.sequence.start_dock(now, goal.timeout, prior)
+            self._core.sequence.start_dock(now, goal.timeout, prior, staging=goal.staging_only)
         else:
             self._core.sequence.start_undock(now, goal.timeout, force=goal.force)
+
+    def _use(self, name: str) -> None:
+        """Look for this dock from now on. No goal is active."""
+        core = self._docks.core(name)
+        if core is self._core:
+            return
+        estimate = self._core.observer.estimate()
+        if estimate is not None:
+            self._left_bays.leave(self._core.dock, estimate.pose, estimate.blind_distance)
+        self._left_bays.use(core.dock)
+        self._obstacles.leave_dock(None if estimate is None else estimate.pose)
+        core.forget()
+        if self._odometry is not None:
+            core.sequence.add_odometry(core.vehicle.odometry(self._odometry))
+        self._core = core
+        self._diagnostics.use(core.controller, core.observer)
+        self._zone.use(core.vehicle.chair, core.dock)
+        self._docked.use(core.vehicle.chair, core.dock, core.observer, core.parameters.sequence)
+        self._dock_services.use(name, self._out.stamp)
+
+    def _check_way_to(self, name: str, *, search: bool) -> None:
+        why_not = self._docked.why_not_to(name, search=search)
+        if why_not:
+            raise RefusedError(ResultCode.DOCKED_ELSEWHERE, why_not)
+
+    def _why_not_reload(self) -> str:
+        return f"a goal to {self._goals.kind} is active" if self._goals.active else ""
+
+    def _take_docks(self, loaded: Loaded[Core]) -> str:
+        """Empty, or why these docks are not used."""
+        name = self._core.dock.name
+        if name not in loaded.cores:
+            stands = self._docked.why_not_to(loaded.database.configured, search=False)
+            if stands:
+                return f"{name} is not among them, and {stands}"
+        self._docks.take(loaded)
+        if name in loaded.cores and loaded.cores[name] is self._core:
+            self._dock_services.tell_again()
+        else:
+            self._docked.forget()  # it is another place now, which contact and images have to show
+            self._use(name if name in loaded.cores else loaded.database.configured)
+        return ""
+
+    def _ask(self, work: Callable[[], str]) -> str:
+        """For the thread of a service: the answer of `work`, which is done in the worker's thread."""
+        call = Call(work)
+        self._enqueue("call", call)
+        return call.wait()
 
     def _on_cancel(self, handle: Any) -> None:
         if self._goals.is_current(handle):
@@ -235,20 +342,16 @@ class DockingNode:
         else:
             self._abort(loss.code, loss.text)
 
+    def _on_watchdog(self) -> None:
+        """By now odometry may have come: the watching thread may have been the first that ran after a long search."""
+        if self._clock() - self._last_odometry > self._core.parameters.sequence.odometry_timeout:
+            self._abort(ResultCode.ODOMETRY_LOST, "no odometry arrives")
+
     def _on_client_lost(self) -> None:
         """By now another goal may be worked on."""
         why = self._client.lost()
         if why:
             self._abort(ResultCode.CLIENT_LOST, why)
-
-    def _ask(self, work: Callable[[], str]) -> str:
-        """The answer of `work` from the worker; from another thread."""
-        call = Call()
-        self._enqueue("live", (call, work))
-        return call.wait()
-
-    def _on_resume(self, call: Call) -> None:
-        call.work(self._go_on)
 
     def _go_on(self) -> str:
         """Empty, or why the paused goal does not go on."""

@@ -52,6 +52,10 @@ class Obstacles:
         self._transform(odom_frame)
         return self._memory.in_dock(T_odom_dock)
 
+    def leave_dock(self, T_odom_dock: ArrayLike | None) -> None:
+        """Another dock is looked for; the one before was at this pose (None: not known)."""
+        self._memory.leave_dock(T_odom_dock)
+
     def _transform(self, odom_frame: str) -> None:
         message = self._waiting
         if message is None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import queue
 import time
 from collections.abc import Callable
-from typing import Any
 
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
@@ -17,32 +16,32 @@ FRESH = 2.0  # [s] that a call may wait for the worker: later, the chair would d
 class Call:
     """One call, on its way from the service's thread to the worker and back."""
 
-    def __init__(self) -> None:
-        self._asked = time.monotonic()
+    def __init__(self, work: Callable[[], str]) -> None:
+        """`work` returns why what is asked for is not done; empty: it is."""
+        self._work, self._asked = work, time.monotonic()
         self._answers: queue.Queue[str] = queue.Queue()
 
     def wait(self) -> str:
-        """The worker's answer; empty: the goal goes on."""
+        """The worker's answer."""
         try:
             return self._answers.get(timeout=PATIENCE)
         except queue.Empty:
             return "the docking node does not answer in time"
 
-    def work(self, resume: Callable[[], str]) -> None:
-        """In the worker's thread: `resume`, unless the call is old."""
+    def work(self) -> None:
+        """In the worker's thread, unless the call is old."""
         old = time.monotonic() - self._asked > FRESH
-        self._answers.put("the docking node was busy for too long" if old else resume())
+        self._answers.put("the docking node was busy for too long" if old else self._work())
 
 
 class ResumeService:
-    """Calls only hand over to `enqueue("resume", call)`."""
+    """Calls only hand over to the worker."""
 
-    def __init__(self, enqueue: Callable[[str, Any], None]) -> None:
-        self._enqueue = enqueue
+    def __init__(self, ask: Callable[[Callable[[], str]], str], go_on: Callable[[], str]) -> None:
+        """`ask(work)`: the answer of `work`, from the worker; `go_on`: empty, or why the goal does not go on."""
+        self._ask, self._go_on = ask, go_on
         self._service = rospy.Service("docking_resume", Trigger, self._on_call)
 
     def _on_call(self, _: TriggerRequest) -> TriggerResponse:
-        call = Call()
-        self._enqueue("resume", call)
-        refusal = call.wait()
+        refusal = self._ask(self._go_on)
         return TriggerResponse(success=not refusal, message=refusal)

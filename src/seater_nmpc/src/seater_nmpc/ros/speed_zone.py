@@ -18,10 +18,15 @@ class SpeedZone:
 
     def __init__(self, chair: Chair, dock: Dock, back_out_speed: float) -> None:
         """`chair`: as the core drives it. `back_out_speed` [m/s]: largest speed while it backs out."""
-        self._chair, self._bay, self._back_out_speed = chair, dock.bay, back_out_speed
+        self._back_out_speed = back_out_speed
+        self.use(chair, dock)
         self._publisher = rospy.Publisher("speed_limit", SpeedLimit, queue_size=10, latch=True)
         self._backed_out = False  # in the last cycle
         self._last: tuple[float, float] | None = None  # time [s] and limit [m/s] of the last message
+
+    def use(self, chair: Chair, dock: Dock) -> None:
+        """Another dock is looked for from now on."""
+        self._chair, self._bay = chair, dock.bay
 
     def update(self, stamp: rospy.Time, dock: ArrayLike | None, base: ArrayLike, *, backs_out: bool) -> None:
         """Once per control cycle; `dock` (None: not known) and `base`: (x, y, heading) in odom [m, rad]."""

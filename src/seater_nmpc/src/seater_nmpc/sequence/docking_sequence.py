@@ -38,6 +38,16 @@ from seater_nmpc.sequence.phases.phases import Phases
 from seater_nmpc.sequence.report import make_result, make_step, standard_deviations
 
 _SLIPPING = 1.0  # of the observer: from here on wheels slip so much that nothing is learned of the motors
+# What ends the watch of the contact, and leaves the docked chair where it is.
+_LETS_DOCKED = (
+    ResultCode.CANCELED,
+    ResultCode.TIMEOUT,
+    ResultCode.STOPPED_BY_USER,
+    ResultCode.EMERGENCY_STOP,
+    ResultCode.GATE_LOST,
+    ResultCode.CLIENT_LOST,
+    ResultCode.CHARGING,
+)
 
 
 class DockingSequence:
@@ -81,15 +91,22 @@ class DockingSequence:
         self.unsure = ""  # why it is not known what is in the way, in words; empty: it is
 
     def start_dock(
-        self, now: float, timeout: float = 0.0, prior: ArrayLike | None = None, prior_radius: float = 1.0
+        self,
+        now: float,
+        timeout: float = 0.0,
+        prior: ArrayLike | None = None,
+        prior_radius: float = 1.0,
+        *,
+        staging: bool = False,
     ) -> None:
-        """Begin to dock at message time `now` [s]. timeout 0: the configured one; `prior`: rough dock pose in odom.
+        """Begin to dock at message time `now` [s]. timeout 0: the configured one; `prior`: rough dock pose in odom;
+        `staging`: only to the predock point, to stand there.
 
         Raises:
             ValueError: when a goal is active, or a number is not finite or negative.
         """
         self._check_start(now, timeout)
-        self._prior = (prior, prior_radius)
+        self._prior, self._goal.staging = (prior, prior_radius), staging
         if prior is not None or self._unseen:
             self.observer.reset(*self._prior)
         self._begin(now, Phase.WAITING_FOR_DOCK, timeout or self._parameters.timeouts.dock)
@@ -101,7 +118,7 @@ class DockingSequence:
         the goal ends with NOT_DOCKED. Raises: as `start_dock`.
         """
         self._check_start(now, timeout)
-        self._goal.force = force
+        self._goal.force, self._goal.staging = force, False
         self._begin(now, Phase.UNDOCKING, timeout or self._parameters.timeouts.undock)
 
     def tune(self, parameters: SequenceParameters) -> None:
@@ -123,7 +140,8 @@ class DockingSequence:
     @property
     def can_pause(self) -> bool:
         """Whether a stop by a person pauses the goal, instead of ending it."""
-        return self.active and self._pause is None and self._parameters.pause_time > 0.0
+        docked = self._goal.phase is Phase.HOLDING
+        return self.active and self._pause is None and self._parameters.pause_time > 0.0 and not docked
 
     @property
     def paused(self) -> bool:
@@ -154,7 +172,7 @@ class DockingSequence:
         if self._pause is None:
             raise ValueError("no goal is paused")
         paused, self._pause = max(0.0, now - self._pause.since), None
-        if self._docking and self._unseen:
+        if self._goal.phase is not Phase.UNDOCKING and self._unseen:
             self.observer.reset(*self._prior)
         self._phases.resume(now, paused)
         self._watch.begin(now)
@@ -254,16 +272,26 @@ class DockingSequence:
 
     @property
     def _docking(self) -> bool:
-        return self._goal.phase is not Phase.UNDOCKING
+        return self._goal.phase is not Phase.UNDOCKING and not self._goal.staging
+
+    @property
+    def staging(self) -> bool:
+        """Whether the last goal was one to the predock point."""
+        return self._goal.staging
 
     def _finish(self, now: float, code: ResultCode, text: str) -> Step:
         now = now if math.isfinite(now) else self._goal.now
+        if self._goal.phase is Phase.HOLDING and self._goal.contact and code in _LETS_DOCKED:
+            code, text = ResultCode.SUCCESS, f"docked; the watch of the contact ended: {text}"
+        failure = self._goal.failure
+        if failure is not None and failure.code is not code:
+            text = f"{text}, backing out after {failure.code.name} ({failure.text})"
         self.active, self._pause = False, None
         self.observer.bound_reacquisition(False)
         self._controller.reset()
         covariance, sd = self._goal.covariance, (0.0, 0.0)
         if covariance is not None:
             sd = standard_deviations(covariance, self.observer.parameters, self._watch.final_error)
-        step = self._step(now, STANDING, make_result(self._goal, now, code, text, sd))
+        step = self._step(now, STANDING, make_result(self._goal, now, self._dock, code, text, sd))
         self._controller.history.clear()  # whoever drives from here on does not say
         return step

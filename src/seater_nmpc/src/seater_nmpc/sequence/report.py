@@ -21,7 +21,7 @@ def make_step(
     goal: Progress, now: float, dock: Dock, estimate: DockEstimate | None, command: Command, result: Result | None
 ) -> Step:
     """Of the cycle at message time `now` [s]; `estimate`: of the dock, None while it is not known."""
-    error, distance = goal.error, -1.0
+    error, distance = _off(goal, dock), -1.0
     if error is not None and goal.phase is Phase.UNDOCKING:
         distance = max(0.0, float(error[0]) - dock.predock_x)
     elif error is not None:
@@ -39,9 +39,10 @@ def make_step(
     )
 
 
-def make_result(goal: Progress, now: float, code: ResultCode, text: str, sd: tuple[float, float]) -> Result:
+def make_result(goal: Progress, now: float, dock: Dock, code: ResultCode, text: str, sd: tuple[float, float]) -> Result:
     """Of the goal that ends at message time `now` [s]; `sd`: standard deviations of the final error [m, rad]."""
-    x, y, heading = (float(value) for value in (np.zeros(3) if goal.error is None else goal.error))
+    error = _off(goal, dock)
+    x, y, heading = (float(value) for value in (np.zeros(3) if error is None else error))
     return Result(
         code=code,
         text=text,
@@ -54,6 +55,13 @@ def make_result(goal: Progress, now: float, code: ResultCode, text: str, sd: tup
         position_sd=sd[0],
         heading_sd=sd[1],
     )
+
+
+def _off(goal: Progress, dock: Dock) -> Array | None:
+    """The chair in the dock's frame (3,), or, where the goal ends at the predock point, from there."""
+    if goal.error is None or not goal.staging:
+        return goal.error
+    return np.asarray(goal.error - [dock.predock_x, 0.0, 0.0])
 
 
 def standard_deviations(covariance: Array, parameters: ObserverParameters, off: Array) -> tuple[float, float]:

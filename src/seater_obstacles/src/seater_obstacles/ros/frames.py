@@ -45,6 +45,7 @@ class Where:
 
     def __init__(self, frames: Frames, lock_step: bool) -> None:
         self._frames, self._lock_step = frames, lock_step
+        self.dock_since = rospy.Time()  # older transforms are of another dock
         self._tf = TransformBuffer()
         self._listener = tf2_ros.TransformListener(self._tf)
 
@@ -70,9 +71,9 @@ class Where:
         times = [stamp - DOCK_DELAY] if self._lock_step and stamp > rospy.Time() + DOCK_DELAY else []
         for at in [*times, rospy.Time()]:
             try:
-                return planar_pose(
-                    matrix_of_transform(self._tf.lookup_transform(self._frames.odom, self._frames.dock, at).transform)
-                )
+                found = self._tf.lookup_transform(self._frames.odom, self._frames.dock, at)
+                if found.header.stamp >= self.dock_since:
+                    return planar_pose(matrix_of_transform(found.transform))
             except tf2_ros.TransformException:
                 continue
         return None

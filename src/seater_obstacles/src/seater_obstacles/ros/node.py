@@ -10,9 +10,10 @@ import rospy
 import tf2_ros
 from diagnostic_msgs.msg import DiagnosticStatus
 
+from seater_common.docks import read_content
 from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError, load
-from seater_msgs.msg import ObstacleArray, ObstaclePoints
+from seater_msgs.msg import DockInUse, ObstacleArray, ObstaclePoints
 from seater_obstacles.finder import Found, ObstacleFinder
 from seater_obstacles.ros import messages
 from seater_obstacles.ros.frames import Frames, Where
@@ -44,7 +45,20 @@ class ObstacleNode:
         self._updater.setHardwareID("none")
         self._updater.add("obstacles", self._write)
         self._timer = rospy.Timer(rospy.Duration(1.0), lambda _: self._updater.update(), reset=True)
+        self._dock = dock
+        rospy.Subscriber("dock_in_use", DockInUse, self._on_dock, queue_size=1)
         self._source.subscribe(self._on_measurement)
+
+    def _on_dock(self, message: DockInUse) -> None:
+        """The docking node looks for another dock; until it is seen, no place is taken for one."""
+        try:
+            dock = read_content(message.content, message.source)
+        except ParameterError as error:
+            rospy.logerr("still exempts dock %s: %s", self._dock.name, error)
+            return
+        if dock != self._dock:
+            self._dock, self._where.dock_since = dock, message.since
+            self._finder.use_dock(dock)
 
     def _on_measurement(self, message: Any) -> None:
         """What cannot be used is told to the gate, which stops the chair."""

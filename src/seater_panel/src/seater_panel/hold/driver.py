@@ -21,8 +21,8 @@ class Chair(Protocol):
     def refusal(self) -> str:
         """Why no goal can be given now; empty: it can."""
 
-    def send(self, action: str) -> None:
-        """Give a goal to the action `dock` or `undock`."""
+    def send(self, action: str, dock: str) -> None:
+        """Give a goal to the action `dock` (empty: to the configured dock) or `undock`."""
 
     def cancel(self) -> None:
         """Cancel every goal of both actions."""
@@ -42,9 +42,9 @@ class Driver:
         self._let_go: float | None = None  # since when nobody holds though a goal is active
         self._cancelled = float("-inf")
 
-    def press(self, client: str, press: int, action: str, proven: float, now: float) -> str:
+    def press(self, client: str, press: int, action: str, proven: float, now: float, dock: str = "") -> str:
         """As Hold.press; refused, too, when the chair cannot take a goal."""
-        return self._chair.refusal() or self._hold.press(client, press, action, proven, now)
+        return self._chair.refusal() or self._hold.press(client, press, action, proven, now, dock)
 
     def stop(self, now: float) -> None:
         """Anybody has pressed Stop: no waiting, and goals that others gave end as well."""
@@ -69,7 +69,7 @@ class Driver:
                 self._nobody_holds(now)
             elif now - order.since >= LEAD:
                 self._number, self._let_go = order.number, None
-                self._chair.send(order.action)
+                self._chair.send(order.action, order.dock)
         elif not self._chair.active():
             # A finger that stays on the button must not run a goal that somebody else gives.
             self._hold.end("", order.number)

@@ -21,6 +21,7 @@ class Order:
     """A button is held: this is wanted as long as it is."""
 
     action: str
+    dock: str  # that it is about; empty: the configured one
     number: int  # of the press, never used twice
     since: float  # when it was pressed
     client: str
@@ -38,7 +39,7 @@ class Hold:
         self._presses: dict[str, int] = {}  # client -> its newest press
         self._ended = ""
 
-    def press(self, client: str, press: int, action: str, proven: float, now: float) -> str:
+    def press(self, client: str, press: int, action: str, proven: float, now: float, dock: str = "") -> str:
         """`client` begins its press number `press`; `proven`: when the tick was sent that it answers.
 
         Returns why nothing begins; empty: the button is held from now on.
@@ -55,7 +56,7 @@ class Hold:
             if now - proven > self._timeout:
                 return "the connection is too slow"
             self._number += 1
-            self._order = Order(action=action, number=self._number, since=now, client=client)
+            self._order = Order(action=action, dock=dock, number=self._number, since=now, client=client)
             self._deadline, self._ended = proven + self._timeout, ""
             return ""
 

@@ -47,9 +47,9 @@ class RosChair:
             return "the docking node does not run"
         return ""
 
-    def send(self, action: str) -> None:
-        """Give a goal to the action `dock` or `undock`."""
-        goal = DockGoal(use_dock_id=True, dock_id="") if action == "dock" else UndockGoal()
+    def send(self, action: str, dock: str) -> None:
+        """Give a goal to the action `dock` (empty: to the configured dock) or `undock`."""
+        goal = DockGoal(use_dock_id=True, dock_id=dock) if action == "dock" else UndockGoal()
         self._goal = self._clients[action].send_goal(goal)
 
     def cancel(self) -> None:

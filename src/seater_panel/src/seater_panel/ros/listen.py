@@ -15,11 +15,14 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry, Path
 from numpy.typing import NDArray
 
+from seater_common.docks import read_content
 from seater_common.geometry import CameraMount, planar_pose
 from seater_common.messages import matrix_of_pose, matrix_of_transform, names_of
+from seater_common.params import ParameterError
 from seater_msgs.msg import (
     DockActionFeedback,
     DockActionResult,
+    DockInUse,
     DockResult,
     GateState,
     MarkerDetectionArray,
@@ -48,6 +51,7 @@ class Listener:
         self._tf_in = tf2_ros.TransformListener(self._tf)
         for topic, kind, callback in (
             ("gate_state", GateState, self._on_gate),
+            ("dock_in_use", DockInUse, self._on_dock_in_use),
             ("odom", Odometry, self._on_odometry),
             ("dock_pose_filtered", PoseWithCovarianceStamped, self._on_dock),
             ("predicted_path", Path, self._on_path),
@@ -76,6 +80,16 @@ class Listener:
     def _on_gate(self, message: GateState) -> None:
         state = STATES.get(message.state, str(message.state))
         self.note(gate=Gate(time=time.monotonic(), state=state, reason=message.reason))
+
+    def _on_dock_in_use(self, message: DockInUse) -> None:
+        try:
+            dock = read_content(message.content, message.source)
+        except ParameterError as error:
+            rospy.logwarn("dock %r is not shown: %s", message.name, error)
+            return
+        with self._lock:
+            known = self._heard.dock if self._heard.in_use in (None, dock) else None  # where it is
+            self._heard = replace(self._heard, in_use=dock, docks=tuple(message.known), dock=known)
 
     def _on_odometry(self, message: Odometry) -> None:
         pose, twist = planar_pose(matrix_of_pose(message.pose.pose)), message.twist.twist

@@ -12,10 +12,12 @@ import rospy
 from geometry_msgs.msg import Point32, PolygonStamped
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Header
-from visualization_msgs.msg import MarkerArray
+from visualization_msgs.msg import Marker, MarkerArray
 
+from seater_common.docks import read_content
 from seater_common.geometry import Chair, Dock
-from seater_msgs.msg import MarkerDetectionArray, ObstacleArray, ObstaclePoints
+from seater_common.params import ParameterError
+from seater_msgs.msg import DockInUse, MarkerDetectionArray, ObstacleArray, ObstaclePoints
 from seater_panel.ros import drawing
 
 FOOTPRINT_PERIOD = rospy.Duration(0.1)  # of message time
@@ -37,6 +39,7 @@ class SceneNode:
         self._obstacles_out = rospy.Publisher("scene/obstacles", MarkerArray, queue_size=5, latch=True)
         self._points_out = rospy.Publisher("scene/points", MarkerArray, queue_size=1)
         self._footprint_out = rospy.Publisher("scene/footprint", PolygonStamped, queue_size=1)
+        rospy.Subscriber("dock_in_use", DockInUse, self._on_dock, queue_size=1)
         rospy.Subscriber("odom", Odometry, self._on_odometry, queue_size=1)
         rospy.Subscriber("detections", MarkerDetectionArray, self._on_detections, queue_size=1)
         rospy.Subscriber("obstacles", ObstacleArray, self._on_obstacles, queue_size=1)
@@ -50,6 +53,16 @@ class SceneNode:
             if self._obstacles is not None:
                 self._obstacles_out.publish(self._obstacles)
             rospy.rostime.wallsleep(REPEAT_PERIOD)
+
+    def _on_dock(self, message: DockInUse) -> None:
+        try:
+            dock = read_content(message.content, message.source)
+        except ParameterError as error:
+            rospy.logwarn("dock %r is not drawn: %s", message.name, error)
+            return
+        if dock != self._dock:
+            self._dock, self._fixed = dock, drawing.dock_markers(self._dock_frame, self._chair, dock)
+            self._dock_out.publish(MarkerArray([Marker(action=Marker.DELETEALL)]))  # it may have fewer walls
 
     def _on_odometry(self, message: Odometry) -> None:
         self._base_frame = message.child_frame_id or self._base_frame

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_common.geometry import Dock
+
 Array = NDArray[np.float64]
 
 
@@ -112,4 +114,6 @@ class Heard:
     outlines: Outlines | None = None
     points: Points | None = None
     dock: Array | None = None  # T_odom_dock
+    in_use: Dock | None = None  # the dock that the docking node looks for
+    docks: tuple[str, ...] = ()  # the names that a goal may give
     image: float | None = None  # time of the last annotated image

@@ -16,7 +16,9 @@ IMAGE_PATIENCE = 2.0  # [s]
 
 
 def view(heard: Heard, chair: Chair, dock: Dock, now: float) -> dict[str, Any]:
-    """`now` [s] by the clock of `heard`. A value that is not known, not finite or too old is None."""
+    """`now` [s] by the clock of `heard`; `dock`: until the docking node says which one is in use. A value that is not
+    known, not finite or too old is None."""
+    dock = heard.in_use or dock
     progress = running(heard.progress, heard.result, now)
     title, reason = headline(heard.gate, progress, heard.result, now)
     gate, motion = heard.gate, heard.motion
@@ -26,6 +28,7 @@ def view(heard: Heard, chair: Chair, dock: Dock, now: float) -> dict[str, Any]:
         distance = math.hypot(*dock.docking_error(relative(heard.dock, motion.pose))[:2])
     return {
         "dock": dock.name,
+        "docks": list(heard.docks),
         "title": title,
         "reason": reason,
         "active": None if progress is None else progress.action,

@@ -17,6 +17,8 @@ PHASES = {
     "UNDOCKING": "Backing out",
     "CORRECTING": "Small correction",
     "SEARCHING": "Searching for the dock",
+    "STAGING": "Driving in front of the dock",
+    "HOLDING": "Docked, watching the charge",
 }
 # States of the gate in which it holds the chair, whoever asks.
 HELD_BY_GATE = {

@@ -2,7 +2,9 @@
 
 To the page: {"n": number of the tick, "view": {...}, "hold": {...}}; the view comes with every second tick.
 From the page, all with "seen": the newest tick that it has got:
-    {"press": number, "action": "dock" or "undock"}   a finger is on a button; numbers of presses rise
+    {"press": number, "action": "dock" or "undock", "dock": its name}
+                                                      a finger is on a button; numbers of presses rise; without "dock",
+                                                      or with an empty one, it is the configured dock
     {"held": number}                                  the answer to a tick while it stays there
     {}                                                the answer to a tick with no finger on a button
     {"release": number}, {"stop": true}
@@ -103,7 +105,8 @@ class Session:
             hold.release(self._name)
         elif isinstance(message.get("press"), int):
             self._press = message["press"]
-            self._refused = driver.press(self._name, self._press, str(message.get("action")), proven, now)
+            action, dock = str(message.get("action")), str(message.get("dock", ""))
+            self._refused = driver.press(self._name, self._press, action, proven, now, dock)
         elif isinstance(message.get("held"), int):
             hold.keep(self._name, message["held"], proven, now)
             return True

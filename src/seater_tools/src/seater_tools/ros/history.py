@@ -1,7 +1,8 @@
 """The node that writes the history: it listens to the docking node and the gate, and sends nothing.
 
-Topics in: dock/goal, dock/result, innovations, velocity_request, charging_contact, /diagnostics.
-Private parameters: ~file (the history), ~dock_file (for the age of its teaching), ~dock (its contents).
+Topics in: dock/goal, dock/result, dock_in_use, innovations, velocity_request, charging_contact, /diagnostics.
+Private parameters: ~file (the history), ~dock_file (for the age of its teaching), ~dock (its contents): of the
+configured dock, until dock_in_use names another one.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 from std_msgs.msg import Bool
 
-from seater_msgs.msg import DockActionGoal, DockActionResult, DockInnovation
+from seater_msgs.msg import DockActionGoal, DockActionResult, DockInnovation, DockInUse
 from seater_tools.history.collect import Collector, Result
 from seater_tools.history.store import append
 
@@ -31,26 +32,36 @@ class Recorder:
     def __init__(self) -> None:
         self._lock, self._collector = threading.Lock(), Collector()
         self._file = Path(str(rospy.get_param("~file"))).expanduser()
-        self._dock_file, self._dock = Path(str(rospy.get_param("~dock_file"))), str(rospy.get_param("~dock/name"))
+        self._configured, self._dock = str(rospy.get_param("~dock_file")), str(rospy.get_param("~dock/name"))
+        self._dock_file = Path(self._configured)
         self._pending: tuple[Result, datetime.datetime] | None = None
         self._active = 0  # goals that have no result yet
+        self._staging: set[str] = set()  # of those that end at the predock point
         rospy.Subscriber("dock/goal", DockActionGoal, self._on_goal, queue_size=10)
         rospy.Subscriber("dock/result", DockActionResult, self._on_result, queue_size=10)
+        rospy.Subscriber("dock_in_use", DockInUse, self._on_dock, queue_size=10)
         rospy.Subscriber("innovations", DockInnovation, self._on_innovation, queue_size=100)
         rospy.Subscriber("velocity_request", TwistStamped, self._on_request, queue_size=100)
         rospy.Subscriber("charging_contact", Bool, self._on_contact, queue_size=10)
         rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=20)
         rospy.on_shutdown(lambda: self._write({}))
 
-    def _on_goal(self, _: DockActionGoal) -> None:
+    def _on_goal(self, message: DockActionGoal) -> None:
         self._write({})
         with self._lock:
+            if message.goal.staging_only:  # no docking
+                self._staging.add(message.goal_id.id)
+                return
             if self._active == 0:
                 self._collector.begin()
             self._active += 1
 
     def _on_result(self, message: DockActionResult) -> None:
-        r = message.result
+        goal, r = message.status.goal_id.id, message.result
+        with self._lock:
+            if goal in self._staging:
+                self._staging.discard(goal)
+                return
         error = (r.longitudinal_error, r.lateral_error, r.heading_error)
         result = Result(
             r.result_code, r.result_text, r.docking_time, r.num_retries, r.contact, error, r.position_sd, r.heading_sd
@@ -62,6 +73,13 @@ class Recorder:
         timer = threading.Timer(WAIT, self._write, args=({},))
         timer.daemon = True
         timer.start()
+
+    def _on_dock(self, message: DockInUse) -> None:
+        """The next goals are about this dock. A source that is no file is the parameter's, whose file is known."""
+        self._write({})  # of the dock before
+        with self._lock:
+            is_file = message.source.endswith(".yaml")
+            self._dock, self._dock_file = message.name, Path(message.source if is_file else self._configured)
 
     def _on_innovation(self, m: DockInnovation) -> None:
         with self._lock:

@@ -18,7 +18,8 @@ NAMESPACE = "live"  # below the node
 
 class LiveParameters:
     """A change is prepared in the service's thread (other weights are another optimisation problem: about a second) and
-    made by the worker between two control cycles, whole or not at all. Files count anew when the node starts anew."""
+    made by the worker between two control cycles, whole or not at all. Files count anew when the node starts anew.
+    They hold for all docks."""
 
     def __init__(
         self,
@@ -35,6 +36,15 @@ class LiveParameters:
         if rospy.has_param(f"~{NAMESPACE}"):
             rospy.delete_param(f"~{NAMESPACE}")  # of a node before
         self._server = Server(Description(entries), self._on_change, NAMESPACE)
+
+    def adopt(self, core: Tunable) -> None:
+        """A core that was made later has the values of now, too. No goal is active there.
+
+        Raises:
+            ParameterError: they do not fit to its dock.
+        """
+        prepare(core, self._values).make()
+        core.controller.set_cap(*(self._values[name] for name in SPEEDS))
 
     def _on_change(self, config: Any, _: int) -> Any:
         """Called with what is asked for; returns what holds."""

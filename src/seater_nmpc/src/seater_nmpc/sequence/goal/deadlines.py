@@ -37,6 +37,7 @@ class Deadlines:
             Phase.STOPPING: (timeouts.stopping, ResultCode.TIMEOUT),
             Phase.CORRECTING: (timeouts.correcting, ResultCode.TIMEOUT),
             Phase.RETRY: (timeouts.retry, ResultCode.FAILED_TO_STAGE),
+            Phase.STAGING: (timeouts.approach, ResultCode.FAILED_TO_STAGE),
         }
 
     def enter(self, now: float) -> None:

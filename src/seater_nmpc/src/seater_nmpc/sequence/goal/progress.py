@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from seater_nmpc.parameters import Timeouts
 from seater_nmpc.sequence.goal.deadlines import Deadlines
-from seater_nmpc.sequence.goal.results import Phase
+from seater_nmpc.sequence.goal.results import GoalEnd, Phase
 
 Array = NDArray[np.float64]
 
@@ -19,6 +19,7 @@ class Progress:
         self.timeouts = timeouts  # of the next goal
         self.contact: bool | None = None  # the charging contact, None: not known
         self.force = False  # undock from here, whatever is known
+        self.staging = False  # the goal ends at the predock point
         self.unsure = ""  # why it is not known what is in the way; empty: it is
         self.held_by = ""  # why the safety gate holds the chair; empty: it does not
         self.begin(0.0, Phase.WAITING_FOR_DOCK, 0.0)
@@ -30,6 +31,7 @@ class Progress:
         self.error: Array | None = None  # (3,) the chair in the dock's frame, once known
         self.covariance: Array | None = None  # (3, 3) of the error, by the images alone, once verified
         self.T_odom_dock: Array | None = None
+        self.failure: GoalEnd | None = None  # what the goal will end with, when the chair has backed out
         self.no_way = ""  # why there is no way into the bay
 
     def enter(self, phase: Phase) -> None:

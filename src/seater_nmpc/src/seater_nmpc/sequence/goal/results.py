@@ -21,6 +21,8 @@ class Phase(IntEnum):
     CORRECTING = 7
     SEARCHING = 8
     PAUSED = 9
+    STAGING = 10
+    HOLDING = 11
 
 
 class ResultCode(IntEnum):
@@ -52,6 +54,7 @@ class ResultCode(IntEnum):
     WHEELS_SLIP = 921
     CLIENT_LOST = 922
     CHARGING = 923
+    DOCKED_ELSEWHERE = 924
     UNKNOWN = 999
 
 

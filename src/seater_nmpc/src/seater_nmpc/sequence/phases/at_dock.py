@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,10 +21,10 @@ Array = NDArray[np.float64]
 
 _UNSEEN_IMAGES = 6  # times between two images
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
+_OPENED = 0.5  # [s] without contact: no mere bounce of it
 _VERDICTS = {
     Verdict.DOCKED: ResultCode.SUCCESS,
     Verdict.UNSEEN: ResultCode.MARKER_LOST,
-    Verdict.NO_CONTACT: ResultCode.FAILED_TO_CHARGE,
 }
 
 
@@ -36,6 +38,7 @@ class AtDock:
     def restart(self, phase: Phase) -> None:
         """This phase begins; moves are counted, and learned from, until the chair leaves the dock."""
         self._verification: Verification | None = None
+        self._closed = self._context.goal.now  # the contact, when it was so last
         if phase not in (Phase.STOPPING, Phase.CORRECTING):
             self._moves = 0
             self._fine_move: FineMove | None = None
@@ -75,10 +78,27 @@ class AtDock:
             c.goal.error, c.goal.covariance = self._verification.error, self._verification.covariance
         if verdict is Verdict.PENDING:
             return Command(v=v, omega=0.0)
+        if verdict is Verdict.DOCKED and c.goal.contact and c.parameters.charge_watch > 0.0:
+            return Phase.HOLDING
         if verdict is Verdict.OUTSIDE:
             return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, verdict.value)
+        if verdict is Verdict.NO_CONTACT:
+            return c.give_up(ResultCode.FAILED_TO_CHARGE, verdict.value)
         why = f": {c.observer.images.why_unseen}" if verdict is Verdict.UNSEEN else ""
         raise GoalEnd(_VERDICTS[verdict], verdict.value + why)
+
+    def hold(self, chair: Instant) -> Asked:
+        """HOLDING: docked; stand for `charge_watch`, and dock again when the contact opens meanwhile. Raises GoalEnd.
+
+        Only the goal's own consent moves the chair: once it has ended, an open contact moves nothing.
+        """
+        c, now = self._context, chair.stamp
+        self._closed = now if c.goal.contact else self._closed
+        if now - self._closed > _OPENED:
+            return c.try_again(ResultCode.FAILED_TO_CHARGE, "the charging contact has opened again")
+        if c.goal.contact and now - c.goal.deadlines.entered > c.parameters.charge_watch:
+            raise GoalEnd(ResultCode.SUCCESS, Verdict.DOCKED.value)
+        return replace(STANDING, text="docked, watches the contact")
 
     def _decide(self, error: Array) -> Phase:
         c, verdict = self._context, self._choose(error)

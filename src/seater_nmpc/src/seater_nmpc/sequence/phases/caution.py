@@ -11,7 +11,7 @@ from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import IMAGES_THAT_MAY_FAIL, STANDING, Asked, Context
 from seater_nmpc.sequence.phases.finding import Finding
 
-_BY_SIGHT = (Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.CORRECTING)
+_BY_SIGHT = (Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.CORRECTING, Phase.STAGING)
 _DRIVING = (*_BY_SIGHT, Phase.UNDOCKING, Phase.SEARCHING)
 
 

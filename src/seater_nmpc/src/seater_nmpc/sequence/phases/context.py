@@ -116,8 +116,16 @@ class Context:
         return command
 
     def try_again(self, code: ResultCode, why: str) -> Phase:
-        """The chair backs out for another attempt; where none is left, GoalEnd is raised with this code."""
+        """The chair backs out for another attempt; where none is left, the goal is given up with this code."""
         if self.goal.retries >= self.parameters.max_retries:
-            raise GoalEnd(code, f"{why}, after {self.goal.retries} retries")
+            return self.give_up(code, f"{why}, after {self.goal.retries} retries")
         self.goal.retries += 1
+        return Phase.RETRY
+
+    def give_up(self, code: ResultCode, why: str) -> Phase:
+        """The goal ends with this code, by GoalEnd; where `failed_end` says so, the chair backs out before."""
+        failure = GoalEnd(code, why)
+        if self.parameters.failed_end == "stay":
+            raise failure
+        self.goal.failure = failure
         return Phase.RETRY

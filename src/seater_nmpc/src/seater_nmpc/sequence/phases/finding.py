@@ -56,7 +56,8 @@ class Finding:
         error = c.look(chair)
         if math.hypot(error[0], error[1]) > p.max_start_distance:
             raise GoalEnd(ResultCode.DOCK_NOT_VALID, f"the dock is {math.hypot(error[0], error[1]):.1f} m away")
-        if within(error, c.dock.tolerance) and (c.goal.contact or not c.require_contact):
+        docks = not c.goal.staging
+        if docks and within(error, c.dock.tolerance) and (c.goal.contact or not c.require_contact):
             raise GoalEnd(ResultCode.ALREADY_DOCKED, "already docked")
         if self._front.hidden(error - [_WELL_IN_FRONT, 0.0, 0.0]) and not self._went_round:
             return Phase.SEARCHING

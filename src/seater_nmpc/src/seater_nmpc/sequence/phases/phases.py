@@ -11,6 +11,7 @@ from seater_nmpc.sequence.phases.at_dock import AtDock
 from seater_nmpc.sequence.phases.caution import Caution
 from seater_nmpc.sequence.phases.context import STANDING, Asked, Context
 from seater_nmpc.sequence.phases.finding import Finding
+from seater_nmpc.sequence.phases.staging import Staging
 from seater_nmpc.sequence.phases.way_in import WayIn
 from seater_nmpc.sequence.phases.way_out import WayOut
 
@@ -31,6 +32,7 @@ class Phases:
         self._context = context
         self._way_in, self._at_dock = WayIn(context), AtDock(context)
         self._way_out, self._finding = WayOut(context, self._way_in), Finding(context, self._way_in)
+        self._staging = Staging(context, self._way_out)
         self._caution = Caution(context, self._finding)
         self._handlers: dict[Phase, Callable[[Instant], Asked]] = {
             Phase.WAITING_FOR_DOCK: self._finding.wait,
@@ -42,6 +44,8 @@ class Phases:
             Phase.VERIFY: self._at_dock.verify,
             Phase.RETRY: self._way_out.retry,
             Phase.UNDOCKING: self._way_out.undock,
+            Phase.STAGING: self._staging.stage,
+            Phase.HOLDING: self._at_dock.hold,
         }
         self.begin(0.0, Phase.WAITING_FOR_DOCK, 0.0)
 
@@ -59,6 +63,7 @@ class Phases:
         goal = self._context.goal
         goal.now = now
         goal.deadlines.put_off(paused)
+        goal.failure = None  # a person has it go on: another attempt
         self._context.controller.history.clear()
         self._finding.resume()
         self._caution.begin()
@@ -78,7 +83,9 @@ class Phases:
     @property
     def backs_out(self) -> bool:
         """Whether the chair is backing out, for another attempt or away from where it got stuck."""
-        return self._context.goal.phase in _BACKING_OUT or self._way_in.backs_off
+        phase = self._context.goal.phase
+        staging = phase is Phase.STAGING and self._staging.backs_out
+        return phase in _BACKING_OUT or self._way_in.backs_off or staging
 
     def _enter(self, phase: Phase) -> None:
         controller, observer = self._context.controller, self._context.observer
@@ -87,6 +94,7 @@ class Phases:
         self._way_in.restart()
         self._at_dock.restart(phase)
         self._way_out.restart()
+        self._staging.restart()
         observer.acquire_moving(phase is Phase.SEARCHING)
         observer.bound_reacquisition(phase not in _DOCK_ANYWHERE)
         if phase in _FROM_REST:

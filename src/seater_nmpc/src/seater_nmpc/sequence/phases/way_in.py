@@ -43,17 +43,17 @@ class WayIn:
         return self._back_off is not None
 
     def first_phase(self, error: Array) -> Phase:
-        """FINAL where the rest is a matter of driving straight in, else APPROACH."""
-        return Phase.FINAL if self._is_straight(error) else Phase.APPROACH
+        """APPROACH, until the rest is a matter of driving straight in."""
+        return self._straight if self._is_straight(error) else Phase.APPROACH
 
     def approach(self, chair: Instant) -> Asked:
         """APPROACH: until the chair is, or would come to rest, in the corridor, or has arrived at the predock point."""
         c = self._context
         error = c.look(chair)
         if self._is_straight(error) or self._is_straight(c.rest_error(chair)):
-            return Phase.FINAL
+            return self._straight
         if c.is_at(c.dock.predock_x, error, chair) and c.navigator.straight_way_clear(error):
-            return Phase.FINAL
+            return self._straight
         backing = self._away_from_where_it_is_stuck(chair, error)
         return self._along_the_way(chair, error) if backing is None else backing
 
@@ -72,6 +72,11 @@ class WayIn:
         if c.standstill.stalled(chair.stamp, c.measured(chair), near=near):
             return Phase.STOPPING if near else c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands short of the dock")
         return c.drive(chair, straight_in(error))
+
+    @property
+    def _straight(self) -> Phase:
+        """The phase that drives straight."""
+        return Phase.STAGING if self._context.goal.staging else Phase.FINAL
 
     def _is_straight(self, error: Array) -> bool:
         """Whether the rest is a matter of driving straight in."""

@@ -34,14 +34,24 @@ class WayOut:
         self._way_back.restart()
 
     def retry(self, chair: Instant) -> Asked:
-        """RETRY: back out by `retry_distance` where little is to be mended, else to the predock point; then again."""
+        """RETRY: back out by `retry_distance` where little is to be mended, else to the predock point; then again.
+
+        A goal that is given up ends at the predock point. Raises GoalEnd.
+        """
         c, p = self._context, self._context.parameters
         error = c.look(chair)
         small = abs(error[1]) <= p.corridor_half_width and abs(error[2]) <= p.corridor_heading
-        x = max(c.dock.predock_x, -p.retry_distance) if small else c.dock.predock_x
+        near = small and c.goal.failure is None
+        x = max(c.dock.predock_x, -p.retry_distance) if near else c.dock.predock_x
         if c.is_at(x, error, chair):
-            return self._way_in.first_phase(error)
-        return self._back_out(chair, error, np.array([x, 0.0, 0.0]))
+            return self._way_in.first_phase(error) if c.goal.failure is None else self._end(chair, c.goal.failure)
+        return self.back_out(chair, error, np.array([x, 0.0, 0.0]))
+
+    def _end(self, chair: Instant, failure: GoalEnd) -> Command:
+        c = self._context
+        if c.standstill.has_stood(chair.stamp, c.measured(chair)):
+            raise GoalEnd(failure.code, f"{failure.text}; backed out to the predock point")
+        return STANDING
 
     def undock(self, chair: Instant) -> Command:
         """UNDOCKING: to the predock point, by odometry alone. Raises GoalEnd."""
@@ -52,12 +62,12 @@ class WayOut:
         to_go = goal.error - [c.dock.predock_x, 0.0, 0.0]
         arrived = to_go[0] <= 0.0 or math.hypot(to_go[0], to_go[1]) <= c.parameters.predock_position
         if not arrived or abs(chair.v) > ARRIVED_SPEED:
-            return self._back_out(chair, goal.error, "predock")
+            return self.back_out(chair, goal.error, "predock")
         if c.standstill.has_stood(chair.stamp, c.measured(chair)):
             raise GoalEnd(ResultCode.SUCCESS, "undocked")
         return STANDING
 
-    def _back_out(self, chair: Instant, error: Array, target: Target) -> Command:
+    def back_out(self, chair: Instant, error: Array, target: Target) -> Command:
         """Out of the bay; something in the way, or so near that the chair gets nowhere, is waited for, not for ever."""
         c = self._context
         outlines, longest = c.controller.obstacles, c.parameters.back_out_wait
