@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import cv2
 import numpy as np
@@ -133,7 +134,7 @@ def _border(x: Array, n: int, paper: float, width: float) -> tuple[NDArray[np.in
     return number, x.astype(np.float32)
 
 
-def _limit(values: Array, low: float, high: float) -> None:
+def _limit(values: NDArray[np.floating[Any]], low: float, high: float) -> None:
     """np.clip in place, without what it costs beside."""
     np.maximum(values, low, out=values)
     np.minimum(values, high, out=values)
@@ -231,8 +232,12 @@ def clean_image(prints: list[Print], camera: DegradedCamera, motion: ArrayLike =
 
 def exposed(clean: NDArray[np.float32], noise_sd: float, random: np.random.Generator) -> Image:
     """With Gaussian noise, rounded and clipped to 8 bits."""
-    noise = random.standard_normal(clean.shape, dtype=np.float32)
-    return np.asarray(np.clip(np.rint(clean + noise_sd * noise), 0.0, 255.0), dtype=np.uint8)
+    grey = random.standard_normal(clean.shape, dtype=np.float32)
+    grey *= noise_sd
+    grey += clean
+    np.rint(grey, out=grey)
+    _limit(grey, 0.0, 255.0)
+    return grey.astype(np.uint8)
 
 
 def moved(print_: Print, change: ArrayLike) -> Print:
