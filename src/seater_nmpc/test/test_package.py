@@ -1,6 +1,9 @@
 """What holds for the package as a whole: no ROS in the core, configuration, numbers shared with the messages."""
 
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +33,13 @@ def test_core_imports_no_ros() -> None:
         assert not re.search(
             r"^\s*(import|from)\s+(rospy|tf|actionlib|\w+_msgs|seater_nmpc.ros)", source.read_text(), re.M
         )
+
+
+def test_the_core_does_not_wait_for_opencv() -> None:
+    """Which only a bent lens needs, and which takes as long to load as everything else."""
+    asked = "import sys, seater_nmpc.control.controller, seater_nmpc.checks.setup; sys.exit('cv2' in sys.modules)"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    assert subprocess.run([sys.executable, "-c", asked], env=environment).returncode == 0
 
 
 def test_configuration_loads_and_every_key_says_what_it_is() -> None:

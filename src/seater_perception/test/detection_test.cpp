@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <ctime>
 
+#include "numerics/solve.h"
 #include "scene.h"
 #include "search/outline/edge_fit.h"
 #include "seater_perception/draw.h"
@@ -169,7 +169,7 @@ TEST(Dock, poseOutOfPixels) {
         const Eigen::AngleAxisd turn(truth.linear() * h.pose.linear().transpose());
         Eigen::Matrix<double, 6, 1> error;
         error << truth.translation() - h.pose.translation(), turn.angle() * turn.axis();
-        const double mahalanobis = std::sqrt(error.dot(h.covariance.ldlt().solve(error)));
+        const double mahalanobis = std::sqrt(error.dot(solved(h.covariance, error)));
         smallest = std::min(smallest, mahalanobis);
         std::printf(
             "  %s, docked axle %.1f m ahead: %zu markers, weight %.2f, position %.2f mm, rotation %.3f deg, %.1f "

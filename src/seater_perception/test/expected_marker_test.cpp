@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "numerics/solve.h"
 #include "scene.h"
 #include "seater_perception/dock_tracker.h"
 
@@ -124,7 +125,7 @@ TEST(ExpectedMarker, resultsAreThoseOfADetectorWithoutHistory) {
       EXPECT_EQ(followed.full_search, k == 0);
       const PoseHypothesis &a = followed.markers[0].best(), &b = alone.markers[0].best();
       const auto d = poseDifference(a.pose, b.pose);
-      worst = std::max(worst, std::sqrt(d.dot(b.covariance.ldlt().solve(d))));
+      worst = std::max(worst, std::sqrt(d.dot(solved(b.covariance, d))));
     }
     std::printf("  %.1f m: at most %.2f standard deviations apart\n", z, worst);
     EXPECT_LT(worst, 0.7) << z;

@@ -6,6 +6,7 @@
 
 #include "marker/photometric_model.h"
 #include "numerics/normal.h"
+#include "numerics/solve.h"
 #include "photometric/kernel/photometric_kernel.h"
 #include "photometric/samples/photometric_samples.h"
 #include "photometric_scene.h"
@@ -67,7 +68,7 @@ Statistics statistics(const View& view, const cv::Mat& clean, double noise, int 
     ++s.converged;
     const Vector6d e = photo_scene::errorOf(result.pose, view.pose);
     s.rms += e.head<3>().squaredNorm();
-    s.nees += e.dot(result.covariance.inverse() * e);
+    s.nees += e.dot(inverted(result.covariance) * e);
     mean += e.head<3>();
   }
   s.rms = std::sqrt(s.rms / s.converged);

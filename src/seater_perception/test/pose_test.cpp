@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <cstdio>
 
+#include "numerics/solve.h"
 #include "pose/dock_pose.h"
 #include "scene.h"
 
@@ -49,7 +49,7 @@ struct Sample {
   void add(const Vector6d& error, const Matrix6d& covariance) {
     scatter += error * error.transpose();
     stated += covariance;
-    mahalanobis += error.dot(covariance.ldlt().solve(error));
+    mahalanobis += error.dot(solved(covariance, error));
     ++count;
   }
   void expectConsistent(double tolerance) const {
@@ -128,9 +128,9 @@ TEST(Covariance, ofTheDockKnowsThatPrintsAreDisplaced) {
       auto dock = estimateDock(camera, markers, layout, selection, *upright().up, parameters);
       ASSERT_FALSE(dock.empty());
       const Eigen::Matrix<double, 6, 1> e = errorOf(dock[0].pose, T_optical_dock);
-      without += e.dot(dock[0].covariance.ldlt().solve(e)) / draws;
+      without += e.dot(solved(dock[0].covariance, e)) / draws;
       addPlacementError(camera, layout, 0.001, dock);
-      with += e.dot(dock[0].covariance.ldlt().solve(e)) / draws;
+      with += e.dot(solved(dock[0].covariance, e)) / draws;
     }
     std::printf("  %s: normalised error squared %.1f, with the places' error %.1f\n", selection.c_str(), without, with);
     // 6 is right, +- 0.25 by chance; the bundle's covariance has been inflated by its residual as well.

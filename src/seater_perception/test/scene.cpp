@@ -1,5 +1,6 @@
 #include "scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -76,6 +77,8 @@ std::vector<cv::Point2d> raysOf(const seater_perception::Calibration& c, const s
   std::vector<cv::Point2d> rays;
   if (c.distortion_model == "equidistant") {
     cv::fisheye::undistortPoints(pixels, rays, K, c.D);
+  } else if (std::all_of(c.D.begin(), c.D.end(), [](double d) { return d == 0.0; })) {
+    cv::undistortPoints(pixels, rays, K, cv::noArray());  // with coefficients of zero it would iterate for nothing
   } else {
     cv::undistortPoints(pixels, rays, K, c.D, cv::noArray(), cv::noArray(), stop);
   }

@@ -1,6 +1,7 @@
 """The camera's geometry: a lens' model, read from a camera_info file (config/cameras/) or one of OpenCV's.
 
-Models and files: docs/reference/cameras.md; seater_perception::Lens knows the same.
+Models and files: docs/reference/cameras.md; seater_perception::Lens knows the same. OpenCV is loaded where a bent lens
+needs it: it would be half of the time that nodes and commands take to start.
 """
 
 from __future__ import annotations
@@ -10,7 +11,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,7 +29,6 @@ _OPENCV_NAMES = {  # of OpenCV's tutorials
 }
 _INVERTIBLE = 0.5  # [px] a ray that is projected farther from its pixel is not the pixel's
 _WIDEST = np.tan(1.5)  # of a ray, which is x / z and has no end at 90 degrees
-_PRECISE = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-10)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +88,8 @@ class CameraModel:
 
     def _distort(self, rays: Array) -> Array:
         """(n, 2) of (n, 2), by OpenCV with K = 1."""
+        import cv2
+
         points, zero = np.column_stack([rays, np.ones(len(rays))])[:, None], np.zeros(3)
         if self.distortion_model == "equidistant":
             return np.asarray(cv2.fisheye.projectPoints(points, zero, zero, np.eye(3), self.D)[0].reshape(-1, 2))
@@ -96,10 +97,13 @@ class CameraModel:
 
     def _undistort(self, pixels: Array) -> Array:
         """(n, 2) of (n, 2); where there is no inverse, some ray in about that direction."""
+        import cv2
+
+        precise = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-10)
         seen = np.ascontiguousarray(pixels, dtype=float).reshape(-1, 1, 2)
         if self.distortion_model != "equidistant":
-            return np.asarray(cv2.undistortPointsIter(seen, self.K, self.D, None, None, _PRECISE).reshape(-1, 2))
-        rays = cv2.fisheye.undistortPoints(seen, self.K, self.D, criteria=_PRECISE).reshape(-1, 2)
+            return np.asarray(cv2.undistortPointsIter(seen, self.K, self.D, None, None, precise).reshape(-1, 2))
+        rays = cv2.fisheye.undistortPoints(seen, self.K, self.D, criteria=precise).reshape(-1, 2)
         outwards = (pixels - self.K[:2, 2]) / self.K[[0, 1], [0, 1]]
         radius = np.maximum(np.linalg.norm(outwards, axis=1), 1e-12)
         # OpenCV marks what does not converge by -1e6; rays at more than 90 degrees point backwards.

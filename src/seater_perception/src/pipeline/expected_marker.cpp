@@ -1,9 +1,9 @@
 #include "pipeline/expected_marker.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
+#include "numerics/solve.h"
 #include "seater_perception/dock_layout.h"
 #include "stage/initial_poses.h"
 
@@ -36,7 +36,7 @@ std::optional<Eigen::Isometry3d> probablePose(const CameraModel& camera, const E
       H.noalias() += J.transpose() * J;
       g.noalias() += J.transpose() * (seen.corners[i] - *pixel);
     }
-    const Vector6d change = H.ldlt().solve(g);
+    const Vector6d change = solved(H, g);
     if (!change.allFinite()) return std::nullopt;
     pose = movedPose(pose, change);
   }

@@ -1,9 +1,10 @@
 #include "pose/dock_pose.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "numerics/solve.h"
 
 namespace seater_perception {
 namespace {
@@ -167,7 +168,7 @@ void addPlacementError(const CameraModel& camera, const DockLayout& layout, doub
       // A displaced print looks as the dock displaced would.
       spread += information.leftCols<3>() * information.leftCols<3>().transpose();
     }
-    const Matrix6d inverse = all.inverse();
+    const Matrix6d inverse = inverted(all);
     const Matrix6d covariance = h.covariance + sigma * sigma * (inverse * spread * inverse.transpose());
     if (covariance.allFinite()) h.covariance = 0.5 * (covariance + covariance.transpose());
   }

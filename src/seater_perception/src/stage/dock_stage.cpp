@@ -1,10 +1,10 @@
 #include "stage/dock_stage.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "numerics/solve.h"
 #include "stage/fitted_hypotheses.h"
 
 namespace seater_perception {
@@ -59,7 +59,7 @@ std::vector<PoseHypothesis> jointFit(const PhotometricContext& context, const Do
 
 /// What the corners of the other members tell: one step of least squares, all weighed by their covariances.
 void addCorners(const CameraModel& camera, const std::vector<Member>& members, PoseHypothesis& hypothesis) {
-  Matrix6d information = hypothesis.covariance.inverse();
+  Matrix6d information = inverted(hypothesis.covariance);
   Vector6d right = Vector6d::Zero();
   const Eigen::Isometry3d pose = hypothesis.pose;
   for (const Member& m : members) {
@@ -73,7 +73,7 @@ void addCorners(const CameraModel& camera, const std::vector<Member>& members, P
       right += J.transpose() * (m.corners.pixel[i] - *pixel) / m.corners.sigma[i];
     }
   }
-  const Matrix6d covariance = information.inverse();
+  const Matrix6d covariance = inverted(information);
   if (!covariance.allFinite()) return;
   hypothesis.covariance = 0.5 * (covariance + covariance.transpose());
   hypothesis.pose = movedPose(pose, hypothesis.covariance * right);

@@ -50,6 +50,7 @@ class NegativeJob:
     other_ids: bool = False  # instead: markers of the same dictionary that the dock has not
 
 
+@lru_cache(maxsize=4)
 def camera_of(config: str | Path) -> DegradedCamera:
     """The frozen camera. Raises ParameterError."""
     return load_degraded_camera(Path(config) / "cameras" / "degraded.yaml")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,34 +26,29 @@ TRAILING_SD = 0.015
 PRIOR_SD |= {f"castor_{knot}": CASTOR_SD for knot in SWING[:-1]} | {f"castor_{SWING[-1]}": TRAILING_SD}
 
 
-def disturbances(data: AxisData, trailing: bool) -> dict[str, Callable[[Array], Array]]:
-    """Name to function: from the undisturbed speed (n,) to the disturbing one (n,). `trailing`: with TRAILING_SD's."""
-    duration = data.end - data.begin
-    middle = 0.5 * (data.begin + data.end)
-    age = (middle - middle.mean()) / max(float(np.ptp(middle)), 1e-9)
+class Disturbances:
+    """Of one axis."""
 
-    def slope(direction: Array) -> Callable[[Array], Array]:
-        """While the motors drive, whichever axis moves; a chair at rest is held."""
-        return lambda answer: data.unit * direction * np.tanh(np.hypot(answer, data.other) / (0.05 * data.unit))
+    def __init__(self, data: AxisData, trailing: bool) -> None:
+        """`trailing`: with the one whose share has TRAILING_SD."""
+        self._data, self._duration = data, data.end - data.begin
+        middle = 0.5 * (data.begin + data.end)
+        self._age = (middle - middle.mean()) / max(float(np.ptp(middle)), 1e-9)
+        self._pulls = [data.unit * direction for direction in (np.cos(data.heading), np.sin(data.heading))]
+        self._ways, self._heights = np.array(SWING) * data.settling, np.eye(len(SWING))
+        self._knots = SWING if trailing else SWING[:-1]
+        self.names = ("asymmetry", "slope_0", "slope_90", "cross", "droop", *(f"castor_{knot}" for knot in self._knots))
 
-    def castor(index: int) -> Callable[[Array], Array]:
-        ways, height = np.array(SWING) * data.settling, np.eye(len(SWING))[index]
-
-        def push(answer: Array) -> Array:
-            way = way_since_change(answer, data.other, duration, data.unit)
-            return data.unit * np.tanh(answer / (0.05 * data.unit)) * np.interp(way, ways, height)
-
-        return push
-
-    plain: dict[str, Callable[[Array], Array]] = {
-        "asymmetry": np.abs,
-        "slope_0": slope(np.cos(data.heading)),
-        "slope_90": slope(np.sin(data.heading)),
-        "cross": lambda answer: data.other,
-        "droop": lambda answer: answer * age,
-    }
-    knots = SWING if trailing else SWING[:-1]
-    return plain | {f"castor_{knot}": castor(index) for index, knot in enumerate(knots)}
+    def columns(self, answer: Array) -> list[Array]:
+        """In the order of `names`: from the undisturbed speed (n,) the disturbing ones, each (n,)."""
+        data = self._data
+        # While the motors drive, whichever axis moves; a chair at rest is held.
+        drives = np.tanh(np.hypot(answer, data.other) / (0.05 * data.unit))
+        sense = data.unit * np.tanh(answer / (0.05 * data.unit))
+        way = way_since_change(answer, data.other, self._duration, data.unit)
+        castors = [sense * np.interp(way, self._ways, height) for height in self._heights[: len(self._knots)]]
+        slopes = [pull * drives for pull in self._pulls]
+        return [np.abs(answer), *slopes, data.other, answer * self._age, *castors]
 
 
 def way_since_change(speed: Array, other: Array, duration: Array, unit: float) -> Array:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_identify.response.disturbances import PRIOR_SD, SWING, disturbances, way_since_change
+from seater_identify.response.disturbances import PRIOR_SD, SWING, Disturbances, way_since_change
 from seater_identify.response.model import AxisModel, Commands, grid_of, lagged, mean_speeds
 
 Array = NDArray[np.float64]
@@ -53,8 +53,8 @@ class AxisProblem:
         self._grid = grid_of(data.begin, data.end)
         self.sd = np.where(np.abs(data.measured) < SLOW * data.unit, 0.015, 0.05) * data.unit
         self.huber = np.ones(len(data.measured))
-        self._extra = disturbances(data, trailing)
-        self.prior = np.array([PRIOR_SD[name] for name in self._extra])
+        self._extra = Disturbances(data, trailing)
+        self.prior = np.array([PRIOR_SD[name] for name in self._extra.names])
 
     def model(self, parameters: Array) -> AxisModel:
         """The model with these values of the free parameters."""
@@ -65,7 +65,7 @@ class AxisProblem:
         """(n, 1 + disturbances): the answer with gain 1, then what disturbs it."""
         speed = lagged(self.data.commands.demand(self._grid, model), model.lag)
         answer = mean_speeds(speed, self._grid, self.data.begin, self.data.end)
-        return np.column_stack([answer, *(make(answer) for make in self._extra.values())])
+        return np.column_stack([answer, *self._extra.columns(answer)])
 
     def solve(self, model: AxisModel) -> tuple[Array, Array]:
         """Linear coefficients (1 + d,) and predicted speeds (n,)."""

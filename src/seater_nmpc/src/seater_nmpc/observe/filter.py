@@ -12,6 +12,7 @@ import math
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import takewhile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,7 +89,7 @@ class DockFilter:
 
     def take(self, chair: Instant, offered: list[Measurement]) -> Look:
         """Fuse the likeliest of the poses that an image leaves open, if it passes the gate. `covers` must hold."""
-        later = [state for state in self.states if state.instant.stamp > chair.stamp]
+        later = list(takewhile(lambda state: state.instant.stamp > chair.stamp, reversed(self.states)))[::-1]
         before = self.states[len(self.states) - len(later) - 1]
         mean, predicted = self.predict(before, chair)
         gate = self._parameters.gate

@@ -63,7 +63,8 @@ def project(T_base_optical: Array, hypothesis: Hypothesis) -> Planar | None:
     if not (np.all(np.abs(T) <= _FARTHEST) and np.all(np.abs(P) <= _LARGEST) and math.isfinite(hypothesis.weight)):
         return None
     T_base_dock = T_base_optical @ T
-    rotation = np.kron(np.eye(2), T_base_optical[:3, :3])
+    rotation = np.zeros((6, 6))
+    rotation[:3, :3] = rotation[3:, 3:] = T_base_optical[:3, :3]
     planar = (rotation @ P @ rotation.T)[np.ix_([0, 1, 5], [0, 1, 5])]
     planar = 0.5 * (planar + planar.T)
     if np.min(np.linalg.eigvalsh(planar)) <= 0.0 or hypothesis.weight <= 0.0:

@@ -1,10 +1,10 @@
 #include "search/code/template_book.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "numerics/column_products.h"
+#include "numerics/solve.h"
 
 namespace seater_perception {
 namespace {
@@ -68,7 +68,7 @@ std::vector<TemplateBook::Candidate> TemplateBook::compare(const ImageLevels::Sa
   // The light that fits best to what was seen.
   const Eigen::Matrix<float, Eigen::Dynamic, 3> seen = samples.weights.asDiagonal() * light_;
   const Eigen::Matrix3f normal = light_.transpose() * seen;
-  const Eigen::Vector3f light = normal.ldlt().solve(light_.transpose() * samples.grey);
+  const Eigen::Vector3f light = solved(normal, light_.transpose() * samples.grey);
   const Eigen::VectorXf rest = samples.grey - seen * light;
   const float length = rest.norm();
   if (!(length > 0.0f) || !std::isfinite(length)) return best;

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import cv2
 import numpy as np
@@ -23,6 +24,8 @@ from seater_eval.perception.images.degraded_camera import DegradedCamera
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8]
 Box = tuple[int, int, int, int]  # x0, y0, x1, y1 [px]; x1 and y1 are outside
+
+_BLOCK = 32_000  # samples that are drawn at once: their arrays stay in the cache
 
 
 @dataclass(frozen=True)
@@ -89,36 +92,52 @@ def reflectance(
     v = shift[1] + y0 - border - 0.5 + (np.arange((y1 - y0 + 2 * border) * samples) + 0.5) / samples
     wx, wy = _sample_width(H, 0.5 * (x0 + x1), 0.5 * (y0 + y1), samples)
     fine = np.empty((len(v), len(u)), np.float32)
-    step = max(1, 200_000 // max(1, len(u)))  # blocks that stay in the cache
+    step = max(1, _BLOCK // max(1, len(u)))
     for start in range(0, len(v), step):
         rows = v[start : start + step, None]
         x, y, w = (H[i, 0] * u[None, :] + (H[i, 1] * rows + H[i, 2]) for i in range(3))
-        fine[start : start + step] = _cover(table, n, paper, x / w, y / w, wx, wy)
+        x /= w
+        y /= w
+        fine[start : start + step] = _cover(table, n, paper, x, y, wx, wy)
     return fine
 
 
 def _cover(
     table: NDArray[np.float32], n: int, paper: float, x: Array, y: Array, wx: float, wy: float
 ) -> NDArray[np.float32]:
-    """Mean of the table over wx x wy cells round (x, y): the nearest border in each direction divides it."""
-    column, bx = _border(x, n, paper, wx)
+    """Mean of the table over wx x wy cells round (x, y): the nearest border in each direction divides it. Overwrites x
+    and y."""
+    at, bx = _border(x, n, paper, wx)
     row, by = _border(y, n, paper, wy)
-    flat = table.ravel()
-    at = row * (n + 4) + column
-    above = flat[at] * (1.0 - bx) + flat[at + 1] * bx
-    below = flat[at + n + 4] * (1.0 - bx) + flat[at + n + 5] * bx
+    row *= n + 4
+    at += row
+    flat, ax = table.ravel(), 1.0 - bx
+    above, below = (flat[i:].take(at) * ax + flat[i + 1 :].take(at) * bx for i in (0, n + 4))
     return np.asarray(above * (1.0 - by) + below * by, dtype=np.float32)
 
 
-def _border(x: Array, n: int, paper: float, width: float) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-    """Number (in the table) of the cell before the nearest border, and the fraction that lies behind the border."""
-    nearest = np.clip(np.rint(x), 0.0, float(n))
-    number = nearest + 1.0
+def _border(x: Array, n: int, paper: float, width: float) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+    """Number (in the table) of the cell before the nearest border, and the fraction that lies behind the border.
+    Overwrites x."""
+    nearest = np.rint(x)
+    _limit(nearest, 0.0, float(n))
+    number = nearest.astype(np.intp)
+    number += 1
     low, high = x < -0.5 * paper, x > n + 0.5 * paper  # nearer to the sheet's edge than to the print's
-    nearest = np.where(low, -paper, np.where(high, n + paper, nearest))
-    number = np.where(low, 0.0, np.where(high, n + 2.0, number))
-    behind = np.clip(0.5 + (x - nearest) / width, 0.0, 1.0)
-    return number.astype(np.int32), behind.astype(np.float32)
+    for beyond, edge, cell in ((low, -paper, 0), (high, n + paper, n + 2)):
+        if beyond.any():
+            nearest[beyond], number[beyond] = edge, cell
+    x -= nearest
+    x /= width
+    x += 0.5
+    _limit(x, 0.0, 1.0)
+    return number, x.astype(np.float32)
+
+
+def _limit(values: NDArray[np.floating[Any]], low: float, high: float) -> None:
+    """np.clip in place, without what it costs beside."""
+    np.maximum(values, low, out=values)
+    np.minimum(values, high, out=values)
 
 
 def _pixel_to_cells(print_: Print, K: Array, n: int) -> Array:
@@ -213,8 +232,12 @@ def clean_image(prints: list[Print], camera: DegradedCamera, motion: ArrayLike =
 
 def exposed(clean: NDArray[np.float32], noise_sd: float, random: np.random.Generator) -> Image:
     """With Gaussian noise, rounded and clipped to 8 bits."""
-    noise = random.standard_normal(clean.shape, dtype=np.float32)
-    return np.asarray(np.clip(np.rint(clean + noise_sd * noise), 0.0, 255.0), dtype=np.uint8)
+    grey = random.standard_normal(clean.shape, dtype=np.float32)
+    grey *= noise_sd
+    grey += clean
+    np.rint(grey, out=grey)
+    _limit(grey, 0.0, 255.0)
+    return grey.astype(np.uint8)
 
 
 def moved(print_: Print, change: ArrayLike) -> Print:

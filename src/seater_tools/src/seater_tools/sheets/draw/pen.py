@@ -23,9 +23,10 @@ class Pen:
     """Draws pages. `grey`: 0 black, 1 white. The same calls give the same bytes."""
 
     def __init__(self, title: str) -> None:
-        folder = Path(matplotlib.get_data_path()) / "fonts" / "ttf"
+        folder, known = Path(matplotlib.get_data_path()) / "fonts" / "ttf", pdfmetrics.getRegisteredFontNames()
         for name, file in FONTS.items():  # embedded: the PDF looks the same everywhere
-            pdfmetrics.registerFont(TTFont(name, str(folder / file)))
+            if name not in known:  # reading one takes a tenth of a second
+                pdfmetrics.registerFont(TTFont(name, str(folder / file)))
         self.pages = 0
         self._buffer = io.BytesIO()
         self._canvas = Canvas(self._buffer, invariant=1)
