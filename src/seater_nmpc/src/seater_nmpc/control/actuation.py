@@ -50,22 +50,23 @@ class Actuation:
         self._stamp = None
 
     def measured(self, stamp: float, v: float, omega: float, *, rolling: bool = True) -> None:
-        """Mean speeds [m/s, rad/s] since the last call, at `stamp` [s]; ignored unless that is newer. Nothing is
-        learned from them unless `rolling`."""
+        """Mean speeds [m/s, rad/s] since the last call, at `stamp` [s]; ignored unless that is newer. Unless
+        `rolling`, the curvature alone is learned from them."""
         if self._stamp is not None and stamp <= self._stamp:
             return
         before, self._stamp = self._stamp, stamp
         if before is None or not self._adapt:
             return
-        duration, planned = stamp - before, rolling and stamp - self._planned <= self._history.delay + _RESPONSE
+        duration, planned = stamp - before, stamp - self._planned <= self._history.delay + _RESPONSE
+        says = float(planned and rolling)  # of the motors
         mean, curvature = functools.cache(self._sent.mean), self._history.drive.curvature  # both axes ask for the same
-        self._estimate_v.add(before, stamp, lambda start, end: mean(start, end)[0], v, weight=float(planned))
+        self._estimate_v.add(before, stamp, lambda start, end: mean(start, end)[0], v, weight=says)
         self._estimate_omega.add(
             before,
             stamp,
             lambda start, end: mean(start, end)[1],
             omega - curvature * v,
-            weight=planned * (1.0 if abs(v) >= _DRIVING else _ON_THE_SPOT),
+            weight=says * (1.0 if abs(v) >= _DRIVING else _ON_THE_SPOT),
         )
         self._learn(duration)
         if planned and abs(v) >= _DRIVING:

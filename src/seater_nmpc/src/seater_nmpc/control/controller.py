@@ -233,8 +233,8 @@ class DockingController:
     def measured(self, stamp: float, v: float, omega: float, *, rolling: bool = True) -> None:
         """Mean speeds [m/s, rad/s] since the last call, measured at `stamp` [s]: to learn the chair's response from.
 
-        Without such calls those given to `command` count. `rolling`: false where wheels slip, which says nothing of the
-        motors.
+        Without such calls those given to `command` count. `rolling`: false where wheels slip: the chair turns by
+        itself, which says nothing of its motors.
         """
         self._actuation.measured(stamp, v, omega, rolling=rolling)
 

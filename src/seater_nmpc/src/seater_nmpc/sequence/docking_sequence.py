@@ -37,7 +37,7 @@ from seater_nmpc.sequence.phases.context import STANDING, Context
 from seater_nmpc.sequence.phases.phases import Phases
 from seater_nmpc.sequence.report import make_result, make_step, standard_deviations
 
-_SLIPPING = 1.0  # of the observer: from here on wheels slip so much that nothing is learned of the motors
+_SLIPPING = 1.0  # of the observer: from here on wheels slip, and what the chair does says nothing of its motors
 # What ends the watch of the contact, and leaves the docked chair where it is.
 _LETS_DOCKED = (
     ResultCode.CANCELED,
