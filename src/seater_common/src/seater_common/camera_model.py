@@ -97,6 +97,8 @@ class CameraModel:
 
     def _undistort(self, pixels: Array) -> Array:
         """(n, 2) of (n, 2); where there is no inverse, some ray in about that direction."""
+        if not self.distorted:
+            return (pixels - self.K[:2, 2]) * (1.0 / self.K[[0, 1], [0, 1]])
         import cv2
 
         precise = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-10)
