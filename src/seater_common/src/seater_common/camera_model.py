@@ -1,7 +1,6 @@
 """The camera's geometry: a lens' model, read from a camera_info file (config/cameras/) or one of OpenCV's.
 
-Models and files: docs/reference/cameras.md; seater_perception::Lens knows the same. OpenCV is loaded where a bent lens
-needs it: it would be half of the time that nodes and commands take to start.
+Models and files: docs/reference/cameras.md; seater_perception::Lens knows the same. OpenCV loads where a lens is bent.
 """
 
 from __future__ import annotations
