@@ -37,7 +37,12 @@ def test_core_imports_no_ros() -> None:
 
 def test_the_core_does_not_wait_for_opencv() -> None:
     """Which only a bent lens needs, and which takes as long to load as everything else."""
-    asked = "import sys, seater_nmpc.control.controller, seater_nmpc.checks.setup; sys.exit('cv2' in sys.modules)"
+    asked = f"""
+import sys, numpy, seater_nmpc.control.controller, seater_nmpc.checks.setup
+from seater_common.camera_model import CameraModel
+camera = CameraModel.load("{ROOT}/config/cameras/d455.yaml")
+assert not numpy.isnan(camera.ray(numpy.zeros((1, 2)))).any()
+sys.exit("cv2" in sys.modules)"""
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     assert subprocess.run([sys.executable, "-c", asked], env=environment).returncode == 0
 

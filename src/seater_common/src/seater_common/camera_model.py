@@ -1,7 +1,6 @@
 """The camera's geometry: a lens' model, read from a camera_info file (config/cameras/) or one of OpenCV's.
 
-Models and files: docs/reference/cameras.md; seater_perception::Lens knows the same. OpenCV is loaded where a bent lens
-needs it: it would be half of the time that nodes and commands take to start.
+Models and files: docs/reference/cameras.md; seater_perception::Lens knows the same. OpenCV loads where a lens is bent.
 """
 
 from __future__ import annotations
@@ -97,6 +96,8 @@ class CameraModel:
 
     def _undistort(self, pixels: Array) -> Array:
         """(n, 2) of (n, 2); where there is no inverse, some ray in about that direction."""
+        if not self.distorted:
+            return (pixels - self.K[:2, 2]) * (1.0 / self.K[[0, 1], [0, 1]])
         import cv2
 
         precise = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-10)

@@ -25,7 +25,7 @@ class Pen:
     def __init__(self, title: str) -> None:
         folder, known = Path(matplotlib.get_data_path()) / "fonts" / "ttf", pdfmetrics.getRegisteredFontNames()
         for name, file in FONTS.items():  # embedded: the PDF looks the same everywhere
-            if name not in known:  # reading one takes a tenth of a second
+            if name not in known:  # read once: it takes longer than to draw a page
                 pdfmetrics.registerFont(TTFont(name, str(folder / file)))
         self.pages = 0
         self._buffer = io.BytesIO()
