@@ -67,7 +67,7 @@ def test_a_docked_chair_takes_no_goal_to_another_dock(stand: Stand) -> None:
     stand.deliver("charging_contact", Bool(True))
     drive.advance(0.5)
     assert stand.sent["dock_state"][-1].state == DockState.DOCKED
-    stand.node._docked.reached(1000.5, docked=True)
+    stand.node._in_use.watch.reached(1000.5, docked=True)
     code, text = refused(stand, dock_id="hall")
     assert (code, text) == (DockResult.DOCKED_ELSEWHERE, "the chair stands docked at lab: undock first")
     stand.deliver("charging_contact", Bool(False))
@@ -101,10 +101,10 @@ def test_the_dock_in_use_may_go_unless_the_chair_is_in_it(stand: Stand, folder: 
     assert drive.docks(RECOVERS)
     stand.node._abort(ResultCode.CANCELED, "the test ends")
     (folder / "hall.yaml").unlink()
-    stand.node._docked.reached(1000.5, docked=True)
+    stand.node._in_use.watch.reached(1000.5, docked=True)
     answer = stand.call("reload_docks")
     assert answer.message == "hall is not among them, and the chair stands docked at hall: undock first"
-    stand.node._docked.reached(1000.5, docked=False)
+    stand.node._in_use.watch.reached(1000.5, docked=False)
     assert stand.call("reload_docks").success
     assert stand.node._core.dock.name == stand.sent["dock_in_use"][-1].name == "lab"
 

@@ -36,6 +36,11 @@ class Core:
     sequence: DockingSequence
     shadow: Shadow | None  # set in shadow mode
 
+    @property
+    def chair(self) -> Chair:
+        """As it docks: forward."""
+        return self.vehicle.chair
+
     def forget(self) -> None:
         """The chair's way so far, and the dock: time or the dock in use has changed."""
         self.observer.odometry.clear()

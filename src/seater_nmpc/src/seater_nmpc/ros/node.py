@@ -17,14 +17,14 @@ from std_msgs.msg import Bool, Header
 from seater_common.docks import DockEntry
 from seater_msgs.msg import MarkerDetectionArray, ObstacleArray
 from seater_nmpc.control.command import Command
+from seater_nmpc.observe.observer import DockEstimate
 from seater_nmpc.observe.odometry import Odometry
-from seater_nmpc.plan.left_bays import LeftBays
 from seater_nmpc.ros import conversions
 from seater_nmpc.ros.core import Core, CoreMaker, flag
 from seater_nmpc.ros.diagnostics import Diagnostics
+from seater_nmpc.ros.docks.in_use import DockInUse
 from seater_nmpc.ros.docks.library import Docks, Loaded, read_docks
 from seater_nmpc.ros.docks.services import DockServices
-from seater_nmpc.ros.docks.states import DockStates
 from seater_nmpc.ros.gate import BY_A_PERSON, Gate, Loss
 from seater_nmpc.ros.goal_checks import RefusedError, check_goal, dock_of
 from seater_nmpc.ros.goals import ClientWatch, Goals
@@ -34,7 +34,6 @@ from seater_nmpc.ros.publishers import Publishers
 from seater_nmpc.ros.resume import Call, ResumeService
 from seater_nmpc.ros.speed_zone import SpeedZone
 from seater_nmpc.ros.transforms import TransformBuffer
-from seater_nmpc.sequence.docked import DockWatch
 from seater_nmpc.sequence.goal.results import Phase, ResultCode, Step
 
 ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal, or the beginning of a pause
@@ -53,8 +52,8 @@ class DockingNode:
         self._lock_step, self._began = lock_step, time.monotonic()  # of the work on the last odometry
         self._maker = CoreMaker(lock_step=lock_step)
         self._live: LiveParameters | None = None
-        self._docks: Docks[Core] = Docks(read_docks, self._make_core)  # before all is advertised
-        self._core = core = self._docks.core()
+        docks: Docks[Core] = Docks(read_docks, self._make_core)  # before all is advertised
+        core = docks.core()
         self._period = core.parameters.control.control_period
         self._cycle, self._zeros, self._fallbacks_before = -1, 0, 0
         self._contact: bool | None = None
@@ -66,17 +65,14 @@ class DockingNode:
         self._tf = TransformBuffer()
         self._tf_in = tf2_ros.TransformListener(self._tf)
         self._obstacles = Obstacles(self._tf, self._dock_frame, core.parameters.sequence.obstacle_timeout)
-        self._left_bays = LeftBays()
         self._diagnostics = Diagnostics(core.controller, core.observer, self._period)
         self._goals = Goals(self._enqueue)
         self._client = ClientWatch(core.parameters.sequence.client_timeout)
         self._gate = Gate(self._enqueue, lock_step=lock_step)
-        self._zone = SpeedZone(core.vehicle.chair, core.dock, core.parameters.sequence.back_out_speed)
-        speaks = core.shadow is None
-        self._dock_services, self._dock_states = DockServices(self._docks, self._ask, speaks=speaks), DockStates()
-        self._docked = DockWatch(require_contact=flag("~require_contact"))
-        self._docked.use(core.vehicle.chair, core.dock, core.observer, core.parameters.sequence)
-        self._dock_services.use(core.dock.name, rospy.Time())
+        self._zone = SpeedZone(core.chair, core.dock, core.parameters.sequence.back_out_speed)
+        self._dock_services = DockServices(docks, self._ask, speaks=core.shadow is None)
+        contact = flag("~require_contact")
+        self._in_use = DockInUse(docks, self._dock_services, self._follow, require_contact=contact)
         threading.Thread(target=self._work, daemon=True).start()
         threading.Thread(target=self._watch, daemon=True).start()
         rospy.on_shutdown(self._on_shutdown)
@@ -85,10 +81,15 @@ class DockingNode:
             self._resume = ResumeService(self._ask, self._go_on)
             self._dock_services.offer(self._why_not_reload, self._take_docks)
             if core.parameters.control.formulation == "docking":  # the other one has neither these weights nor a cap
-                self._live = LiveParameters(self._docks.cores, self._ask, lambda: self._core.sequence.active)
+                self._live = LiveParameters(docks.cores, self._ask, lambda: self._core.sequence.active)
             self._goals.start()
         solver = core.parameters.control.solver
         rospy.loginfo("docking node ready (%s%s)", solver, "" if core.shadow is None else ", shadow")
+
+    @property
+    def _core(self) -> Core:
+        """Of the dock in use."""
+        return self._in_use.core
 
     def _make_core(self, entry: DockEntry) -> Core:
         core = self._maker.make(entry)
@@ -151,9 +152,7 @@ class DockingNode:
         stamp, self._began = message.header.stamp.to_sec(), time.monotonic()
         if stamp < self._out.stamp.to_sec() - TIME_JUMP:  # of the last message, whether it was used or not
             self._abort(ResultCode.ODOMETRY_LOST, "time went backward")
-            self._core.forget()
-            self._docked.forget()
-            self._left_bays.forget()
+            self._in_use.forget()
             self._cycle, self._last_stamp = -1, rospy.Time()
         odometry = conversions.odometry(message)
         if self._core.sequence.add_odometry(self._core.vehicle.odometry(odometry)):
@@ -182,7 +181,8 @@ class DockingNode:
         self._diagnostics.cycle()
         self._set_obstacles(now)
         self._tell_zone()
-        self._tell_docked(now)
+        if self._core.shadow is None:
+            self._in_use.tell_docked(self._out.stamp, self._contact)
         if self._core.shadow is not None:
             command = self._core.shadow.update(now)
             self._report(self._core.vehicle.command(command or Command(v=0.0, omega=0.0)), "SHADOW")
@@ -201,7 +201,7 @@ class DockingNode:
         dock = self._core.observer.prior if estimate is None else estimate.pose
         obstacles = self._obstacles.now(self._out.odom_frame, dock)
         if dock is not None and newest is not None and self._core.parameters.control.walls:
-            obstacles = [*obstacles, *self._left_bays.in_dock(self._core.dock.bay, dock, newest.pose)]
+            obstacles = [*obstacles, *self._in_use.walls_left(dock, newest.pose)]
         self._core.controller.set_obstacles(obstacles)
         self._core.sequence.unsure = self._obstacles.trouble(now)
 
@@ -210,11 +210,6 @@ class DockingNode:
         if self._core.shadow is None and newest is not None:
             dock = None if estimate is None else estimate.pose
             self._zone.update(self._out.stamp, dock, newest.pose, backs_out=self._core.sequence.backs_out)
-
-    def _tell_docked(self, now: float) -> None:
-        if self._core.shadow is None:
-            state = self._docked.update(now, self._contact, goal=self._core.sequence.active)
-            self._dock_states.tell(self._out.stamp, state)
 
     def _send(self, step: Step, *, ask: bool = True, release: bool = True) -> None:
         command = self._core.vehicle.command(step.command)
@@ -225,7 +220,7 @@ class DockingNode:
         self._goals.publish(step)
         if step.result is not None:
             if step.result.success and not self._core.sequence.staging:
-                self._docked.reached(self._out.stamp.to_sec(), docked=step.phase is not Phase.UNDOCKING)
+                self._in_use.watch.reached(self._out.stamp.to_sec(), docked=step.phase is not Phase.UNDOCKING)
             self._zeros = ZEROS_AFTER_GOAL
             self._diagnostics.installation = self._core.sequence.installation
             self._client.end()
@@ -262,7 +257,7 @@ class DockingNode:
         if self._dock_services.loading:
             return self._goals.refuse(kind, handle, ResultCode.BUSY, "the docks are being loaded")
         try:
-            name = dock_of(kind, goal, self._docks.database, self._core.dock.name)
+            name = dock_of(kind, goal, self._in_use.docks.database, self._core.dock.name)
             prior = check_goal(kind, goal, self._tf, self._out.odom_frame)
             if kind == "dock":
                 self._check_way_to(name, search=prior is not None)
@@ -271,7 +266,7 @@ class DockingNode:
             return self._goals.refuse(kind, handle, refused.code, refused.text)
         self._abort(ResultCode.CANCELED, "replaced by a new goal", release=False)
         self._goals.accept(kind, handle)
-        self._use(name)
+        self._in_use.use(name, self._out.stamp)
         self._client.begin(handle.goal)
         counters = self._core.controller.counters
         self._fallbacks_before = counters.shifted + counters.braked
@@ -280,27 +275,16 @@ class DockingNode:
         else:
             self._core.sequence.start_undock(now, goal.timeout, force=goal.force)
 
-    def _use(self, name: str) -> None:
-        """Look for this dock from now on. No goal is active."""
-        core = self._docks.core(name)
-        if core is self._core:
-            return
-        estimate = self._core.observer.estimate()
-        if estimate is not None:
-            self._left_bays.leave(self._core.dock, estimate.pose, estimate.blind_distance)
-        self._left_bays.use(core.dock)
-        self._obstacles.leave_dock(None if estimate is None else estimate.pose)
-        core.forget()
+    def _follow(self, core: Core, left: DockEstimate | None) -> None:
+        """Another dock is in use."""
+        self._obstacles.leave_dock(None if left is None else left.pose)
         if self._odometry is not None:
             core.sequence.add_odometry(core.vehicle.odometry(self._odometry))
-        self._core = core
         self._diagnostics.use(core.controller, core.observer)
-        self._zone.use(core.vehicle.chair, core.dock)
-        self._docked.use(core.vehicle.chair, core.dock, core.observer, core.parameters.sequence)
-        self._dock_services.use(name, self._out.stamp)
+        self._zone.use(core.chair, core.dock)
 
     def _check_way_to(self, name: str, *, search: bool) -> None:
-        why_not = self._docked.why_not_to(name, search=search)
+        why_not = self._in_use.watch.why_not_to(name, search=search)
         if why_not:
             raise RefusedError(ResultCode.DOCKED_ELSEWHERE, why_not)
 
@@ -308,19 +292,7 @@ class DockingNode:
         return f"a goal to {self._goals.kind} is active" if self._goals.active else ""
 
     def _take_docks(self, loaded: Loaded[Core]) -> str:
-        """Empty, or why these docks are not used."""
-        name = self._core.dock.name
-        if name not in loaded.cores:
-            stands = self._docked.why_not_to(loaded.database.configured, search=False)
-            if stands:
-                return f"{name} is not among them, and {stands}"
-        self._docks.take(loaded)
-        if name in loaded.cores and loaded.cores[name] is self._core:
-            self._dock_services.tell_again()
-        else:
-            self._docked.forget()  # it is another place now, which contact and images have to show
-            self._use(name if name in loaded.cores else loaded.database.configured)
-        return ""
+        return self._in_use.take(loaded, self._out.stamp)
 
     def _ask(self, work: Callable[[], str]) -> str:
         """For the thread of a service: the answer of `work`, which is done in the worker's thread."""
