@@ -13,7 +13,7 @@ Image = NDArray[np.uint8]
 Array = NDArray[np.float64]
 DENSITY = 8000.0  # [px/m] of the drawn board
 MARGIN = 0.02  # [m] of white round it
-SCALE = 2  # each pixel is the mean of so many squared
+SCALE = 3  # each pixel is the mean of so many squared; with 2 the focal length comes out off by 0.1 %
 
 
 def texture(board: Board) -> Image:
