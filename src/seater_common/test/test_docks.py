@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from seater_common.docks import DockDatabase, DockEntry, UnknownDockError, read_content, read_folder
+from seater_common.files.docks import DockDatabase, DockEntry, UnknownDockError, read_content, read_folder
 from seater_common.geometry import Dock
 from seater_common.params import ParameterError, as_mapping
 

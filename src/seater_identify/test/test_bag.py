@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import math
+import runpy
+import sys
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
 
+from seater_common.files.installation import SHIPPED, Installation
 from seater_common.geometry import Chair
 from seater_identify.record.bag import Topics, read_bag
 from seater_identify.record.recording import RecordingError
 
 rosbag = pytest.importorskip("rosbag")
+
+NODES = Path(__file__).resolve().parents[1] / "nodes"
 
 
 def write(path: Path, odometry: bool = True) -> None:
@@ -63,3 +69,25 @@ def test_a_file_that_is_no_bag_is_refused(tmp_path: Path) -> None:
     (tmp_path / "c.bag").write_text("no bag")
     with pytest.raises(RecordingError, match="cannot read"):
         read_bag(tmp_path / "c.bag", Chair(), Topics())
+
+
+def test_the_command_replaces_the_files_of_an_installation(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """By a recording, never by a simulated drive."""
+    write(tmp_path / "a.bag")
+    config, here = NODES.parents[2] / "config", tmp_path / "here"
+    Installation(here).create({role: config / name for role, name in SHIPPED.items()})
+    assert identify("--installation", here) == 2
+    assert "--installation: needs --bag" in capsys.readouterr().err
+    assert not list(here.glob("*.yaml.2*"))
+    assert identify("--installation", here, "--bag", tmp_path / "a.bag") == 0
+    assert "controller.yaml is new; the one before is kept" in capsys.readouterr().out
+    text = (here / "controller.yaml").read_text()
+    assert text.startswith("# Identified: 20") and "a.bag; not shown, as before: " in text.partition("\n")[0]
+    assert (here / "chair.yaml").read_text() == (here / "identify" / "chair.yaml").read_text()
+
+
+def identify(*words: str | Path) -> object:
+    """The exit status of the program, as a person types it."""
+    with mock.patch.object(sys, "argv", ["identify", *map(str, words)]), pytest.raises(SystemExit) as end:
+        runpy.run_path(str(NODES / "identify"), run_name="__main__")
+    return end.value.code

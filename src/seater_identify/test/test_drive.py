@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from seater_identify.drive.moves import OMEGA, TurnBack
 from seater_identify.drive.script import AreaError
 from seater_identify.settings import AreaSettings, IdentifySettings
 from seater_identify.trial.simulation import simulate
+from seater_sim.chair.plant_ranges import load_plant_ranges
 from seater_sim.settings import (
     CommandSettings,
     KinematicSettings,
@@ -19,6 +22,7 @@ from seater_sim.settings import (
     WheelchairSettings,
 )
 
+CONFIG = Path(__file__).resolve().parents[3] / "config"
 SETTINGS, CHAIR = IdentifySettings(), Chair()
 SIMULATOR = SimulatorSettings(plant=PlantSettings(kind="kinematic", kinematic=KinematicSettings()))
 
@@ -43,6 +47,14 @@ def test_a_whole_drive_keeps_limits_and_area_and_ends_at_rest(limits: Limits) ->
     assert time[-1] < 140.0
     corners = np.concatenate([chair.corners_at(pose) for pose in drive.truth[::10, 1:]])
     assert np.ptp(corners[:, 0]) < SETTINGS.area.length + 0.1 and np.ptp(corners[:, 1]) < SETTINGS.area.width
+
+
+def test_a_chair_that_slides_on_a_slope_comes_back() -> None:
+    """It slides while it turns; the last straight ends where the first began all the same, within the area."""
+    ranges = load_plant_ranges(CONFIG / "plants" / "worn_chair.yaml")
+    drive = simulate(SETTINGS, CHAIR, ranges.draw_simulator(np.random.default_rng(503), SimulatorSettings()), 503, None)
+    assert drive.state is DriveState.DONE, drive.text
+    assert abs(drive.truth[-1, 1] - drive.truth[0, 1]) < 0.1  # 0.18 m and more when it drives the planned way only
 
 
 def test_nothing_moves_before_the_start_nor_without_odometry() -> None:

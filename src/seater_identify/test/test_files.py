@@ -9,7 +9,7 @@ import yaml
 
 from seater_common.geometry import Chair
 from seater_identify.load import load_file
-from seater_identify.report.files import KeyPathError, edited
+from seater_identify.report.files import KeyPathError, edited, write_copy
 from seater_identify.settings import IdentifySettings
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
@@ -40,6 +40,15 @@ def test_tiny_values_stay_numbers() -> None:
 def test_missing_keys_are_all_named() -> None:
     with pytest.raises(KeyPathError, match=r"f: has no a/y, c"):
         edited("a:\n  x: 1.0\n", {"a/y": 1.0, "c": 2.0}, "f")
+
+
+def test_the_first_line_says_where_the_values_come_from(tmp_path: Path) -> None:
+    source, copy = tmp_path / "a.yaml", tmp_path / "b.yaml"
+    source.write_text("# Controller\nx: 1.0\n")
+    write_copy(source, copy, {"x": 2.0}, "today, drive.bag")
+    assert copy.read_text() == "# Identified: today, drive.bag\n# Controller\nx: 2.0\n"
+    write_copy(copy, source, {"x": 3.0}, "tomorrow")
+    assert source.read_text() == "# Identified: tomorrow\n# Controller\nx: 3.0\n"
 
 
 def test_the_shipped_settings_are_the_defaults() -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 rospy = pytest.importorskip("rospy")
-from seater_common.docks import DockDatabase, DockEntry, UnknownDockError, read_content  # noqa: E402
+from seater_common.files.docks import DockDatabase, DockEntry, UnknownDockError, read_content  # noqa: E402
 from seater_common.geometry import Dock, Marker  # noqa: E402
 from seater_common.params import ParameterError, as_mapping  # noqa: E402
 from seater_msgs.msg import MarkerDetectionArray  # noqa: E402

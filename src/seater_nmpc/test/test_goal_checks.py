@@ -11,7 +11,7 @@ pytest.importorskip("tf2_ros")
 from geometry_msgs.msg import PoseStamped  # noqa: E402
 from transforms import Transforms  # noqa: E402
 
-from seater_common.docks import DockDatabase, DockEntry  # noqa: E402
+from seater_common.files.docks import DockDatabase, DockEntry  # noqa: E402
 from seater_common.geometry import Dock, Marker  # noqa: E402
 from seater_common.params import as_mapping  # noqa: E402
 from seater_common.se2 import compose  # noqa: E402

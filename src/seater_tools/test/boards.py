@@ -1,19 +1,12 @@
-"""A camera with a known lens in front of a board: images drawn pixel by pixel, without the code under test."""
+"""Cameras with known lenses, for the tests."""
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from seater_common.camera_model import CameraModel
-from seater_tools.board.board import CHESSBOARD, DICTIONARY, MARKER, Board
 
-Image = NDArray[np.uint8]
 SIZE = (640, 480)
-DENSITY = 8000.0  # [px/m] of the drawn board
-MARGIN = 0.02  # [m] of white round it
-SCALE = 3  # each pixel is the mean of so many squared
 
 LENSES = {
     "plumb_bob": (-0.22, 0.06, 0.0008, -0.0005, -0.005),
@@ -29,63 +22,3 @@ def camera(model: str, D: tuple[float, ...], focal: float = 420.0) -> CameraMode
 
 def intrinsics(lens: CameraModel) -> np.ndarray:
     return np.array([lens.K[0, 0], lens.K[1, 1], lens.K[0, 2], lens.K[1, 2]])
-
-
-def texture(board: Board) -> Image:
-    """Grey levels of the board with its margin, by OpenCV's own drawing where it has one."""
-    side, margin = round(board.square * DENSITY), round(MARGIN * DENSITY)
-    size = (board.columns * side, board.rows * side)
-    if board.kind == CHESSBOARD:
-        squares = np.add.outer(np.arange(board.rows), np.arange(board.columns)) % 2
-        drawn = np.kron(255 * squares, np.ones((side, side))).astype(np.uint8)
-    else:
-        dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
-        known = cv2.aruco.CharucoBoard_create(
-            board.columns, board.rows, board.square, MARKER * board.square, dictionary
-        )
-        drawn = known.draw(size)
-    return np.asarray(cv2.copyMakeBorder(drawn, *[margin] * 4, cv2.BORDER_CONSTANT, value=255))
-
-
-def rays_of(seen_by: CameraModel) -> np.ndarray:
-    """(height x SCALE, width x SCALE, 3) directions; between the pixels' middles they are straight enough."""
-    fine = (np.arange(SCALE) + 0.5) / SCALE - 0.5
-    u = (np.arange(SIZE[0])[:, None] + fine).ravel() + 1.0
-    v = (np.arange(SIZE[1])[:, None] + fine).ravel() + 1.0
-    x, y = np.meshgrid(u.astype(np.float32), v.astype(np.float32))
-    rays = cv2.remap(seen_by.rays(1), x, y, cv2.INTER_LINEAR)
-    return np.concatenate([rays, np.ones((*rays.shape[:2], 1), np.float32)], axis=-1)
-
-
-def render(rays: np.ndarray, pose: np.ndarray, drawn: Image, seed: int = 0) -> Image:
-    """The board at `pose` (6,), rotation vector and translation in the optical frame; grey wall behind it."""
-    R, t = cv2.Rodrigues(pose[:3])[0].astype(np.float32), pose[3:].astype(np.float32)
-    along = (t @ R[:, 2]) / (rays @ R[:, 2])
-    place = ((rays * along[..., None] - t) @ R[:, :2] + MARGIN) * DENSITY - 0.5
-    place[~(along > 0.0)] = -1e6
-    image = cv2.remap(drawn, place.astype(np.float32), None, cv2.INTER_LINEAR, borderValue=140)
-    image = cv2.resize(image, SIZE, interpolation=cv2.INTER_AREA)
-    image = cv2.GaussianBlur(0.8 * image.astype(float) + 20.0, (0, 0), 0.6)
-    return np.clip(image + 2.0 * np.random.default_rng(seed).standard_normal(image.shape), 0, 255).astype(np.uint8)
-
-
-def poses(board: Board, focal: float = 420.0) -> list[np.ndarray]:
-    """Twenty views: at every part of the image and tilted to all sides; two more near ones in the middle."""
-    middle = board.square * np.array([0.5 * board.columns, 0.5 * board.rows, 0.0])
-    # Part of the image [-1, 1] of the board's middle, distance [m], tilts about x and y, turn [rad].
-    views = [
-        (x, y, 0.42, 0.5 * (-1) ** k, 0.45 * (-1) ** (k // 2), 0.1 * k)
-        for k, (x, y) in enumerate((x, y) for x in (-0.6, 0.0, 0.6) for y in (-0.4, 0.0, 0.4))
-    ]
-    reach = 0.62 if board.kind == CHESSBOARD else 0.8  # which may not reach over the edge, and may
-    views += [(x, 1.03 * y, 0.32, 0.0, 0.0, 1.57) for x in (-reach, reach) for y in (-reach, reach)]
-    views += [(0.0, 0.0, 0.19, 0.05 * k, -0.05 * k, 1.57 + 0.05 * k) for k in (-1, 0, 1)]
-    views += [(0.1, 0.1, 0.4, 0.6, 0.0, 0.3), (0.1, -0.1, 0.45, -0.6, 0.0, -0.3)]
-    views += [(-0.1, 0.1, 0.4, 0.0, 0.6, 0.8), (-0.1, -0.1, 0.45, 0.0, -0.6, -0.7)]
-    found = []
-    for x, y, z, about_x, about_y, turn in views:
-        R = cv2.Rodrigues(np.array([about_x, 0.0, 0.0]))[0] @ cv2.Rodrigues(np.array([0.0, about_y, 0.0]))[0]
-        R = R @ cv2.Rodrigues(np.array([0.0, 0.0, turn]))[0]
-        centre = z * np.array([x * 0.5 * SIZE[0] / focal, y * 0.5 * SIZE[1] / focal, 1.0])
-        found.append(np.concatenate([cv2.Rodrigues(R)[0].ravel(), centre - R @ middle]))
-    return found

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 from as_typed import run
-from boards import LENSES, SIZE, camera, intrinsics, poses, rays_of, render, texture
+from boards import LENSES, SIZE, camera, intrinsics
 
 from seater_common.camera_model import CameraModel
 from seater_tools.board.board import CHARUCO, CHESSBOARD, SQUARES, Board
@@ -17,6 +17,7 @@ from seater_tools.lens.find import View, find_board
 from seater_tools.lens.fit import fit_lens
 from seater_tools.sheets.draw.board_page import board_pdf
 from seater_tools.sheets.layout.paper import PAPERS
+from seater_tools.trial.board_views import poses, rays_of, render, texture
 
 BOARD = Board()
 
@@ -43,7 +44,7 @@ def photographs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Rendered images of a ChArUco board through a known lens, and one without a board."""
     folder, lens = tmp_path_factory.mktemp("photographs"), camera("plumb_bob", LENSES["plumb_bob"])
     rays, drawn = rays_of(lens), texture(BOARD)
-    for i, pose in enumerate(poses(BOARD)):
+    for i, pose in enumerate(poses(BOARD, lens)):
         cv2.imwrite(str(folder / f"{i:02d}.png"), render(rays, pose, drawn, i))
     cv2.imwrite(str(folder / "wall.png"), np.full(SIZE[::-1], 140, np.uint8))
     return folder
@@ -97,7 +98,7 @@ def test_images_of_two_sizes_are_refused(photographs: Path, tmp_path: Path) -> N
 
 def test_a_chessboard_is_seen_where_it_is() -> None:
     board, lens = Board(CHESSBOARD), camera("plumb_bob", LENSES["plumb_bob"])
-    pose = poses(board)[16]
+    pose = poses(board, lens)[16]
     view = find_board(render(rays_of(lens), pose, texture(board)), board, "v")
     assert view is not None
     expected = lens.project(board.points() @ cv2.Rodrigues(pose[:3])[0].T + pose[3:])
@@ -114,7 +115,7 @@ def test_debians_cameracalibrator_agrees() -> None:
     calibrator = pytest.importorskip("camera_calibration.calibrator", reason="needs python3-camera-calibration")
     board, lens = Board(CHESSBOARD), camera("plumb_bob", LENSES["plumb_bob"])
     rays, drawn = rays_of(lens), texture(board)
-    images = [render(rays, pose, drawn, i) for i, pose in enumerate(poses(board)[::2])]
+    images = [render(rays, pose, drawn, i) for i, pose in enumerate(poses(board, lens)[::2])]
     views = [view for view in (find_board(image, board, "v") for image in images) if view is not None]
     assert len(views) == len(images)
     ours = fit_lens(views, board, "plumb_bob", SIZE)

@@ -82,6 +82,28 @@ def test_the_new_dock_file_is_not_printed_from(files: Path) -> None:
     by_bar = f"{CORRECTED}99.00 % of default.yaml (bar of 190 mm on a4: 188.1 mm)\n{DEFAULT_DOCK.read_text()}"
     assert bar_sd(by_bar) == pytest.approx(0.25 / 190.0)
     assert bar_sd(dock_text(by_bar, "dock", dock, calibration, "today")) == pytest.approx(0.25 / 190.0)
+    # Once more, after it was taught: the docked pose was measured with another camera mount and other markers.
+    taught = text.replace("\n", "\n# Taught: 2026-11-27T16:05:09Z, 60 measurements\n", 1)
+    again = dock_text(taught, "dock", dock, calibration, "tomorrow")
+    assert "# Taught: " not in again and again.startswith(CORRECTED)
+    assert again.count("# Markers calibrated: ") == 1 and "# Markers calibrated: tomorrow\n" in again
+
+
+def test_the_files_of_an_installation_are_replaced(files: Path, tmp_path: Path) -> None:
+    here = ("--installation", tmp_path)
+    assert run("installation", tmp_path).returncode == 0
+    (tmp_path / "camera.yaml").write_text((files / "camera.yaml").read_text())
+    for _ in range(2):  # the second time over the results of the first
+        done = run(NODE, "mount", *here, "--drive", files / "drive.npz")
+        assert done.returncode == 0, done.stderr
+        for old in tmp_path.glob("*.yaml.2*"):  # twice within a second, the second would be refused
+            old.unlink()
+    assert "Next: ./seater sheets" in done.stdout
+    for name in ("chair.yaml", "dock.yaml"):
+        assert (tmp_path / name).read_text() == (tmp_path / "calibrate_mount" / name).read_text()
+    text = (tmp_path / "chair.yaml").read_text()
+    assert text.count("# Camera calibrated: ") == 1
+    assert load(Chair, read_yaml(tmp_path / "chair.yaml"), "c").camera.x == pytest.approx(Truth().mount[0], abs=0.01)
 
 
 def test_files_that_were_given_are_never_overwritten(files: Path, tmp_path: Path) -> None:

@@ -7,17 +7,19 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from boards import SIZE, camera, poses, rays_of, render, texture
+from boards import SIZE, camera
 
 from seater_tools.board.board import Board
+from seater_tools.trial.board_views import poses, rays_of, render, texture
 
 collect = pytest.importorskip("seater_tools.ros.collect")
 
 
 def test_new_and_still_views_are_kept(tmp_path: Path) -> None:
     board = Board()
-    rays, drawn = rays_of(camera("plumb_bob", (-0.2, 0.05, 0.0, 0.0, 0.0))), texture(board)
-    at = [render(rays, pose, drawn) for pose in poses(board)[:2]]
+    lens = camera("plumb_bob", (-0.2, 0.05, 0.0, 0.0, 0.0))
+    rays, drawn = rays_of(lens), texture(board)
+    at = [render(rays, pose, drawn) for pose in poses(board, lens)[:2]]
     collector = collect.Collector(board, tmp_path)
     # The first sight may be a blurred one; the second of the same place is kept, the third says nothing new; the board
     # moves and stops elsewhere.

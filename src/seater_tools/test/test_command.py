@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -70,3 +71,14 @@ def test_a_copy_never_takes_the_place_of_its_original(tmp_path: Path) -> None:
     assert dock.read_text() == DEFAULT_DOCK.read_text()
     twice = run(tmp_path, "--dock", dock, tmp_path / ".." / tmp_path.name / "dock.yaml")
     assert twice.returncode == 2 and "several files have the name dock" in twice.stderr
+
+
+def test_the_sheets_of_an_installation_name_it(tmp_path: Path) -> None:
+    """The pages say what to type when the printer's scale is off; that has to correct the installation's own file."""
+    assert run_program("installation", tmp_path).returncode == 0
+    done = run_program("sheets", "--installation", tmp_path)
+    assert done.returncode == 0 and "\nNext: ./seater sheets --board charuco" in done.stdout
+    pages = subprocess.run(["pdftotext", tmp_path / "sheets" / "dock_a4.pdf", "-"], capture_output=True, text=True)
+    assert f"./seater sheets --installation {tmp_path}" in pages.stdout and "--dock" not in pages.stdout
+    assert run_program("sheets", "--installation", tmp_path, "--measured-bar", "188.1").returncode == 0
+    assert (tmp_path / "dock.yaml").read_text().startswith("# Sizes of the markers as printed: 99.00 %")

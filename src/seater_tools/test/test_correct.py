@@ -9,10 +9,10 @@ import pytest
 import yaml
 from printed import DEFAULT_DOCK
 
+from seater_common.files.whole import write_whole
 from seater_common.params import ParameterError
 from seater_tools.correct.scale import printed_scale, reading_error
 from seater_tools.correct.sizes import with_printed_sizes
-from seater_tools.files import write_whole
 from seater_tools.sheets.layout.paper import PAPERS
 
 A4, A3 = PAPERS["a4"], PAPERS["a3"]

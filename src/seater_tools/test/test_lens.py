@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
-from boards import LENSES, SIZE, camera, intrinsics, poses
+from boards import LENSES, SIZE, camera, intrinsics
 
 from seater_common.camera_model import CameraModel
 from seater_tools.board.board import Board
@@ -13,6 +13,7 @@ from seater_tools.lens.coverage import differs, missing_views, tilt_of
 from seater_tools.lens.find import View
 from seater_tools.lens.fit import fit_lens, held_out_rms
 from seater_tools.lens.result import calibrate, direction_sd
+from seater_tools.trial.board_views import poses
 
 NOISE = 0.08  # [px], as the detector has it
 BOARD = Board()
@@ -21,7 +22,7 @@ BOARD = Board()
 def views_of(lens: CameraModel, board: Board = BOARD, seed: int = 0, noise: float = NOISE) -> list[View]:
     """What a detector would see of the board's poses: corners within the image, with noise."""
     rng, found = np.random.default_rng(seed), []
-    for i, pose in enumerate(poses(board)):
+    for i, pose in enumerate(poses(board, lens)):
         points = board.points() @ cv2.Rodrigues(pose[:3])[0].T + pose[3:]
         corners = lens.project(points)
         inside = np.all((corners > 3.0) & (corners < np.array(SIZE) - 4.0), axis=1)

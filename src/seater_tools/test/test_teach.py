@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from as_typed import run
 from printed import DEFAULT_DOCK
 
 from seater_common.geometry import Dock
@@ -17,7 +18,8 @@ from seater_common.se2 import compose, inverse, transform_points
 from seater_tools.correct.sizes import CORRECTED
 from seater_tools.teach.dock import remarks, taught_text, teaching_of
 from seater_tools.teach.measure import Measurement, Standing, TeachError
-from seater_tools.teach.store import store
+
+rosbag = pytest.importorskip("rosbag")
 
 NOW = datetime.datetime(2026, 11, 27, 16, 5, 9, tzinfo=datetime.UTC)
 POSE = np.array([0.012, -0.008, 0.02])  # base_link in the dock frame
@@ -151,12 +153,49 @@ def test_a_place_beside_the_middle_is_told() -> None:
     assert text.startswith("The taught place is 20 mm right of the bay's middle")
 
 
-def test_the_old_file_is_kept(tmp_path: Path) -> None:
-    target = tmp_path / "dock.yaml"
-    assert store("first", target, NOW) == [target]
-    old = tmp_path / "dock.yaml.20261127T160509Z"
-    assert store("second", target, NOW) == [target, old]
-    assert target.read_text() == "second" and old.read_text() == "first"
-    with pytest.raises(FileExistsError):  # twice in a second: the file kept is not overwritten
-        store("third", target, NOW)
-    assert target.read_text() == "second" and old.read_text() == "first"
+def write_bag(path: Path, detections: bool = True) -> None:
+    """The chair drives 0.2 m ahead in 2 s and stands for 4 s more, 0.9 m before the dock's frame."""
+    import rospy
+    from nav_msgs.msg import Odometry
+
+    from seater_msgs.msg import DockObservation, MarkerDetectionArray
+
+    with rosbag.Bag(str(path), "w") as bag:
+        for i in range(300):
+            now, x = rospy.Time.from_sec(10.0 + 0.02 * i), 0.1 * min(2.0, 0.02 * i)
+            message = Odometry()
+            message.header.stamp = now
+            message.pose.pose.position.x, message.pose.pose.orientation.w = x, 1.0
+            bag.write("/odom", message, now)
+            if detections and i % 5 == 0:
+                seen, dock = MarkerDetectionArray(), DockObservation(weight=1.0)
+                seen.header.stamp = now
+                # Optical axes; the camera of chair.yaml is 0.45 m ahead of the axle and 0.7 m above the floor.
+                dock.pose.pose.position.y, dock.pose.pose.position.z = 0.7, 0.2 - x - 0.45 - 0.03
+                o = dock.pose.pose.orientation
+                o.x, o.y, o.z, o.w = 0.5, -0.5, 0.5, 0.5
+                dock.pose.covariance = (1e-6 * np.eye(6)).ravel().tolist()
+                seen.dock = [dock]
+                bag.write("/detections", seen, now)
+
+
+def test_from_a_bag_that_ends_docked(tmp_path: Path) -> None:
+    pytest.importorskip("rospy")
+    write_bag(tmp_path / "in.bag")
+    dock = tmp_path / "dock.yaml"
+    dock.write_text(DEFAULT_DOCK.read_text())
+    done = run("teach", "--bag", tmp_path / "in.bag", "--dock", dock)
+    assert done.returncode == 0, done.stderr
+    assert "the chair stands 30.0 mm ahead, 0.0 mm left, 0.00 deg off" in done.stdout and "Next:" not in done.stdout
+    taught = load(Dock, read_yaml(dock), "dock")
+    assert taught.markers[0].position[:2] == pytest.approx([0.87, 0.0], abs=1e-5)
+    assert teaching_of(dock.read_text()) is not None
+    (kept,) = tmp_path.glob("dock.yaml.2*")
+    assert kept.read_text() == DEFAULT_DOCK.read_text()
+
+
+def test_a_bag_without_detections_is_refused(tmp_path: Path) -> None:
+    write_bag(tmp_path / "in.bag", detections=False)
+    done = run("teach", "--bag", tmp_path / "in.bag", "--dock", DEFAULT_DOCK, "--output", tmp_path / "dock.yaml")
+    assert done.returncode == 2 and "in.bag: has no messages on detections" in done.stderr
+    assert not (tmp_path / "dock.yaml").exists()

@@ -9,10 +9,13 @@ from seater_common.params import param
 
 @dataclass(frozen=True)
 class AreaSettings:
-    """The free area: a rectangle along the chair's heading at the start, the chair at the middle of its rear edge."""
+    """The free area: a rectangle along the chair's heading at the start, which stands in the middle of its width.
 
-    length: float = param(2.2, "m", "along the chair's heading", low=1.0, high=20.0)
-    width: float = param(2.2, "m", "across, half of it to each side", low=1.0, high=20.0)
+    What the drive does not need of the length is left free at both ends, half and half.
+    """
+
+    length: float = param(2.4, "m", "along the chair's heading", low=1.0, high=20.0)
+    width: float = param(2.6, "m", "across, half of it to each side", low=1.0, high=20.0)
     tolerance: float = param(0.1, "m", "how far the footprint may leave the area before the drive stops", low=0.0)
 
 

@@ -108,11 +108,17 @@ class Driver:
         """Share of the moves that are done."""
         return self._index / len(self._moves)
 
+    def _take_drift(self) -> None:
+        """A chair that has slid along the way while it turned (on a slope) has travelled so far, too."""
+        assert self._pose is not None
+        self._travelled[V] = float(relative(self._start, self._pose)[0])
+        self._origin[V] = self._travelled[V]
+
     def _check(self, now: float) -> None:
         if now - self._received > self._settings.drive.odometry_timeout:
             self.stop(f"no odometry for {self._settings.drive.odometry_timeout} s")
         elif self._left_area():
-            self.stop("the chair is leaving the free area")
+            self.stop("the chair is leaving the free area: does it slide on a slope? A larger area lets it go on")
 
     def _left_area(self) -> bool:
         area = self._settings.area
@@ -179,6 +185,8 @@ class Driver:
         if isinstance(move, TurnBack):
             self._goal = self._planned[move.axis]
         elif isinstance(move, Travel):  # from where the chair should be, so that errors do not add up
+            if move.axis == V:
+                self._take_drift()
             self._planned[move.axis] += move.amount
             self._goal = self._planned[move.axis]
         names = ("straight", "turn")

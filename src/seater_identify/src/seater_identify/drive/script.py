@@ -72,8 +72,9 @@ def straight_way(settings: IdentifySettings, chair: Chair) -> float:
 
 
 def origin_in_area(settings: IdentifySettings, chair: Chair) -> float:
-    """[m] of the axle ahead of the area's rear edge at the start."""
-    return _origin(chair, straight_way(settings, chair))
+    """[m] of the axle ahead of the area's rear edge at the start: what is not needed is left free at both ends."""
+    way = straight_way(settings, chair)
+    return _origin(chair, way) + 0.5 * (settings.area.length - _length(chair, way))
 
 
 def _origin(chair: Chair, way: float) -> float:

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
+from seater_common.files.installation import IDENTIFIED
 from seater_identify.result.identify import Identification
 from seater_identify.result.values import Estimate
 
@@ -49,10 +50,15 @@ def chair_values(result: Identification, limits: Mapping[str, float]) -> dict[st
     return {path: e.value for path, e in ramps.items() if e.usable and e.value < limits[path.partition("/")[2]]}
 
 
-def write_copy(source: Path, target: Path, values: Mapping[str, float]) -> Path:
-    """`source` with these values, as `target`. Raises KeyPathError naming every key that `source` does not have."""
+def write_copy(source: Path, target: Path, values: Mapping[str, float], note: str = "") -> Path:
+    """`source` with these values, as `target`; `note`: of a first line that says where they come from, in the place of
+    an earlier one. Raises KeyPathError naming every key that `source` does not have."""
     target.parent.mkdir(parents=True, exist_ok=True)
-    target.write_text(edited(source.read_text(), values, str(source)))
+    text = edited(source.read_text(), values, str(source))
+    if note:
+        rest = "".join(line for line in text.splitlines(keepends=True) if not line.startswith(IDENTIFIED))
+        text = f"{IDENTIFIED}{note}\n{rest}"
+    target.write_text(text)
     return target
 
 

@@ -43,6 +43,11 @@ class Identification:
     def __getitem__(self, name: str) -> Estimate:
         return self.estimates[name]
 
+    @property
+    def found(self) -> bool:
+        """Whether the recording shows anything at all."""
+        return any(estimate.usable for estimate in self.estimates.values())
+
 
 def identify(recording: Recording) -> Identification:
     """Every estimate is there; what was not excited is refused."""

@@ -3,7 +3,8 @@
 Topics: in `odom`, `cmd_vel_stamped` (what the gate let through), `gate_state`, `dock_pose`; out `velocity_request`.
 Services: `~start` begins the drive, `~cancel` stops it (std_srvs/Trigger). Nothing moves before `~start`, which asks
 the gate for consent.
-Private parameters: ~chair and ~identify (the files in config/), ~chair_file, ~controller_file, ~results (paths).
+Private parameters: ~chair and ~identify (the files in config/), ~chair_file, ~controller_file, ~results (paths), and
+~installation, the folder of an installation whose files the new ones replace; empty: none.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped, TwistStamped
 from nav_msgs.msg import Odometry
 from std_srvs.srv import Trigger, TriggerResponse
 
+from seater_common.files.installation import Installation
 from seater_common.geometry import Chair, planar_pose
 from seater_common.messages import matrix_of_pose
 from seater_common.params import load
@@ -25,7 +27,7 @@ from seater_identify.drive.driver import Driver, DriveState
 from seater_identify.record.bag import dock_row, make_recording
 from seater_identify.record.recording import RecordingError
 from seater_identify.report.files import KeyPathError
-from seater_identify.report.folder import Sources, write_folder
+from seater_identify.report.folder import Sources, copies, write_folder
 from seater_identify.report.table import describe
 from seater_identify.result.identify import identify
 from seater_identify.settings import IdentifySettings
@@ -45,6 +47,7 @@ class IdentifyNode:
         self._settings = load(IdentifySettings, rospy.get_param("~identify"), "~identify")
         self._driver = Driver(self._settings, self._chair)
         self._sources = Sources(Path(rospy.get_param("~controller_file")), Path(rospy.get_param("~chair_file")))
+        self._installation = Path(rospy.get_param("~installation", "")).expanduser()
         self._results = Path(rospy.get_param("~results")).expanduser()
         self._rows: dict[str, list[Any]] = {"command": [], "odometry": [], "dock": [], "covariance": []}
         self._lock, self._zeros = threading.Lock(), 0
@@ -140,11 +143,22 @@ class IdentifyNode:
             recording = make_recording(self._rows)
             result = identify(recording)
             rospy.loginfo("\n%s", describe(result))
-            files = write_folder(result, recording, self._chair, self._sources, self._results)
+            note = "the drive" if self._driver.state is DriveState.DONE else f"part of the drive ({self._driver.text})"
+            files = write_folder(result, recording, self._chair, self._sources, self._results, note)
             rospy.loginfo("written:\n%s", "\n".join(map(str, files)))
-        except (RecordingError, KeyPathError) as error:
+            if result.found:
+                self._install()
+        except (RecordingError, KeyPathError, OSError) as error:
             rospy.logerr("%s", error)
         rospy.signal_shutdown("identification has ended")
+
+    def _install(self) -> None:
+        """Raises OSError."""
+        if self._installation == Path():
+            return
+        installation = Installation(self._installation)
+        lines = installation.take(copies(self._results))
+        rospy.loginfo("%s\nNext: %s", "\n".join(lines), installation.next())
 
     def _on_shutdown(self) -> None:
         with self._lock:

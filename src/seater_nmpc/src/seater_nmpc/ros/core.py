@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import rospy
 
 from seater_common.camera_model import CameraModel
-from seater_common.docks import DockEntry
+from seater_common.files.docks import DockEntry
 from seater_common.geometry import Chair, Dock
 from seater_common.params import load
 from seater_nmpc.checks.setup import check_setup

@@ -9,7 +9,7 @@ import tf2_ros
 from geometry_msgs.msg import PoseStamped
 from numpy.typing import NDArray
 
-from seater_common.docks import DockDatabase, UnknownDockError
+from seater_common.files.docks import DockDatabase, UnknownDockError
 from seater_common.geometry import planar_pose
 from seater_common.messages import matrix_of_pose, matrix_of_transform
 from seater_nmpc.ros.goals import valid_timeout

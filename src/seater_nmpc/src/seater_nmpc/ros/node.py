@@ -14,7 +14,7 @@ import tf2_ros
 from nav_msgs.msg import Odometry as OdometryMsg
 from std_msgs.msg import Bool, Header
 
-from seater_common.docks import DockEntry
+from seater_common.files.docks import DockEntry
 from seater_msgs.msg import MarkerDetectionArray, ObstacleArray
 from seater_nmpc.control.command import Command
 from seater_nmpc.observe.observer import DockEstimate

@@ -10,7 +10,7 @@ import rospy
 import tf2_ros
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from seater_common.docks import read_content
+from seater_common.files.docks import read_content
 from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError, load
 from seater_msgs.msg import DockInUse, ObstacleArray, ObstaclePoints

@@ -15,7 +15,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry, Path
 from numpy.typing import NDArray
 
-from seater_common.docks import read_content
+from seater_common.files.docks import read_content
 from seater_common.geometry import CameraMount, planar_pose
 from seater_common.messages import matrix_of_pose, matrix_of_transform, names_of
 from seater_common.params import ParameterError

@@ -14,7 +14,7 @@ from nav_msgs.msg import Odometry
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from seater_common.docks import read_content
+from seater_common.files.docks import read_content
 from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError
 from seater_msgs.msg import DockInUse, MarkerDetectionArray, ObstacleArray, ObstaclePoints

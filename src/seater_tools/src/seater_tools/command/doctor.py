@@ -19,6 +19,7 @@ from pathlib import Path
 
 import rosgraph
 
+from seater_common.files.whole import write_whole
 from seater_common.params import ParameterError
 from seater_tools.doctor.checks import run as run_checks
 from seater_tools.doctor.gather.drive import pieces
@@ -27,9 +28,9 @@ from seater_tools.doctor.gather.room import room_for
 from seater_tools.doctor.observations import Live, Observations
 from seater_tools.doctor.report import as_json, describe, support_zip
 from seater_tools.doctor.setup import Setup
-from seater_tools.files import write_whole
 
 WRONG, BAD_INPUT = 1, 2
+ROLES = ("chair", "dock", "camera", "controller")  # of an installation
 SECONDS = (1.0, 60.0)
 WAY, TURN = (0.05, 0.5), (0.0, 30.0)  # [m], [deg] that may be asked for
 

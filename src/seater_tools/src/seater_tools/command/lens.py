@@ -17,15 +17,17 @@ from pathlib import Path
 
 import cv2
 
+from seater_common.files import installation
+from seater_common.files.whole import write_whole
 from seater_common.params import ParameterError
 from seater_tools.board.board import CHARUCO, CHESSBOARD, SQUARES, Board
-from seater_tools.files import write_whole
 from seater_tools.lens.find import View, find_board
 from seater_tools.lens.model import COEFFICIENTS, LensError
 from seater_tools.lens.output import camera_yaml, draw
 from seater_tools.lens.result import calibrate, describe
 
 NOT_CONSTRAINED = 3
+ROLES: dict[str, str] = {}  # of an installation, which it reads
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm")
 FEWEST_VIEWS = 5  # below, nothing can be fitted and held out
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")  # camera_info_manager takes no other
@@ -63,7 +65,8 @@ def run(options: argparse.Namespace, config: Path) -> int:
     views, size = read_views(folder, board)
     result = calibrate(views, board, options.model, size)
     print(describe(result))
-    note = f"Lens calibrated: {datetime.date.today()}, {options.board} of {board.columns} x {board.rows}, {folder.name}"
+    squares = f"{board.columns} x {board.rows}"
+    note = f"{installation.LENS[2:]}{datetime.date.today()}, {options.board} of {squares}, {folder.name}"
     write_whole(targets[1], draw(result, views), overwrite=True)
     print(targets[1])
     if result.refused:
@@ -71,6 +74,7 @@ def run(options: argparse.Namespace, config: Path) -> int:
         return NOT_CONSTRAINED
     write_whole(targets[0], camera_yaml(result, options.name, note).encode(), overwrite=True)
     print(targets[0])
+    installation.conclude(options, {installation.CAMERA: targets[0]})
     return 0
 
 

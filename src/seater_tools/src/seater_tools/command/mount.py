@@ -16,6 +16,8 @@ import numpy as np
 import yaml
 
 from seater_common.camera_model import CameraModel
+from seater_common.files import installation
+from seater_common.files.whole import write_whole
 from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError, load, read_yaml
 from seater_sim.settings import SimulatorSettings
@@ -23,7 +25,6 @@ from seater_tools.adjust.robust import NoMinimumError
 from seater_tools.correct.known import bar_sd
 from seater_tools.drive.bag import Topics, read_bag
 from seater_tools.drive.drive import Drive, DriveError
-from seater_tools.files import write_whole
 from seater_tools.mount.copies import chair_text, dock_text
 from seater_tools.mount.picture import draw
 from seater_tools.mount.prior import Lengths
@@ -34,6 +35,7 @@ from seater_tools.trial.seen import simulate_drive
 from seater_tools.trial.truth import Errors, describe_truth, draw_installation
 
 NOT_CONSTRAINED = 3
+ROLES = {role: role for role in ("dock", "chair", "camera")}  # of an installation, which it reads
 SIDE, DISTANCE = (0.005, 2.0), (0.05, 20.0)  # [m] what a person may have measured
 
 
@@ -60,6 +62,8 @@ def add_options(parser: argparse.ArgumentParser, config: Path) -> None:
 
 def run(options: argparse.Namespace, config: Path) -> int:
     """Raises ParameterError, DriveError (wrong input) and OSError (not written)."""
+    if options.installation is not None and options.simulate is not None:
+        raise ParameterError("--installation: goes with a real drive, --bag or --drive, not with --simulate")
     dock = load(Dock, read_yaml(options.dock), str(options.dock))
     chair = load(Chair, read_yaml(options.chair), str(options.chair))
     lengths = _lengths(options, dock)
@@ -89,6 +93,7 @@ def run(options: argparse.Namespace, config: Path) -> int:
     files = {name: text.encode() for name, text in texts.items()}
     files |= {"mount.png": draw(solution, calibration), "mount.json": as_json(calibration)}
     _write(files, options)
+    installation.conclude(options, {role: options.results / getattr(options, role).name for role in ("chair", "dock")})
     return 0
 
 

@@ -33,6 +33,12 @@ def with_values(text: str, values: Mapping[Path, float], name: str) -> str:
     return edited
 
 
+def with_note(text: str, kind: str, note: str) -> str:
+    """The text with `kind` and `note` as a comment at its beginning, in the place of an earlier one of this kind."""
+    kept = "".join(line for line in text.splitlines(keepends=True) if not line.startswith(kind))
+    return f"{kind}{note}\n{kept}"
+
+
 def written(value: float) -> str:
     """With a decimal point, to a hundredth of a millimetre or milliradian, without idle zeros."""
     digits = f"{round(value, 5) + 0.0:.5f}".rstrip("0")  # no -0.0

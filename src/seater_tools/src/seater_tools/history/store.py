@@ -7,7 +7,7 @@ import fcntl
 import os
 from pathlib import Path
 
-from seater_tools.files import write_whole
+from seater_common.files.whole import write_whole
 from seater_tools.history.docking import COLUMNS, Docking, HistoryError, as_line, header, of_row
 
 MOST, KEPT = 5000, 4000  # lines: beyond MOST the newest KEPT stay; 250 bytes each, so the file stays below 2 MB

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from seater_common.files.installation import MOUNT
 from seater_common.geometry import Dock
 from seater_tools.correct.sizes import CORRECTED
-from seater_tools.edit.scalars import with_values
+from seater_tools.edit.scalars import with_note, with_values
 from seater_tools.mount.result import Calibration
+from seater_tools.teach.dock import without_teaching
+
+PLACED = "# Markers calibrated: "
 
 
 def chair_text(text: str, name: str, calibration: Calibration, note: str) -> str:
     """With the camera's pose. Raises ParameterError naming the key that cannot be replaced."""
     values: dict[tuple[str | int, ...], float] = {("camera", v.name): v.used for v in calibration.mount}
-    return f"# Camera calibrated: {note}\n{with_values(text, values, name)}"
+    return with_note(with_values(text, values, name), MOUNT, note)
 
 
 def dock_text(text: str, name: str, dock: Dock, calibration: Calibration, note: str) -> str:
-    """With the markers' places and sizes. It counts as a file with corrected sizes, which is never printed from.
+    """With the markers' places and sizes. It counts as a file with corrected sizes, which is never printed from, and as
+    one that has not been taught: the docked pose was measured with the camera and the markers where they were before.
 
     Raises ParameterError naming the key that cannot be replaced.
     """
@@ -28,7 +33,8 @@ def dock_text(text: str, name: str, dock: Dock, calibration: Calibration, note: 
             values["markers", i, "position", axis] = found[place].used
         values["markers", i, "normal_yaw"] = found["yaw"].used
         values["markers", i, "size"] = found["size"].used
-    first = "" if text.startswith(CORRECTED) else f"{CORRECTED}by the drive that places them\n"
-    head, _, rest = text.partition("\n") if not first else ("", "", text)
-    edited = with_values(rest, values, name)
-    return f"{first or head + chr(10)}# Markers calibrated: {note}\n{edited}"
+    first, rest = f"{CORRECTED}by the drive that places them", text
+    if text.startswith(CORRECTED):
+        first, _, rest = text.partition("\n")
+    edited = with_note(without_teaching(with_values(rest, values, name)), PLACED, note)
+    return f"{first}\n{edited}"

@@ -38,8 +38,8 @@ class Document:
     plan_pages: int
 
 
-def make_document(dock: Dock, family: MarkerFamily, paper: Paper, source: str) -> Document:
-    """`source`: the dock file, as a person would type it.
+def make_document(dock: Dock, family: MarkerFamily, paper: Paper, source: str, option: str = "") -> Document:
+    """`source`: the dock file, as a person would type it; `option`: that names it to the command (--dock `source`).
 
     Raises:
         ParameterError: naming every marker whose id the family does not have, or whose print cannot tell what is up.
@@ -47,10 +47,11 @@ def make_document(dock: Dock, family: MarkerFamily, paper: Paper, source: str) -
     markers = [MarkerSheets(marker, piece, sheets_of(piece, paper)) for marker, piece in _pieces(dock, family, source)]
     pieces = {entry.marker.id: entry.piece for entry in markers}
     pen = Pen(f"Markers of the dock {dock.name}")
-    draw_plan(pen, dock, views_of(dock), pieces, paper, source)
+    option = option or f"--dock {source}"
+    draw_plan(pen, dock, views_of(dock), pieces, paper, option)
     plan_pages = pen.pages
     for entry in markers:
-        words = _words(dock, family, entry.marker, source)
+        words = _words(dock, family, entry.marker, option)
         for sheet in entry.sheets:
             draw_sheet(pen, entry.piece, sheet, paper, words)
     return Document(pen.finish(), markers, plan_pages)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_common.files.installation import TAUGHT
 from seater_common.geometry import Dock
 from seater_common.se2 import compose, inverse, transform_points, wrap_angle
 from seater_tools.correct.sizes import CORRECTED
@@ -21,7 +22,7 @@ Array = NDArray[np.float64]
 FARTHEST, MOST_TURNED = 0.3, math.radians(15.0)  # from where the file has the docked chair: else it is another dock
 BESIDE = 0.005  # [m] of the bay's middle from the taught place, which is worth a word
 _LINE = re.compile(
-    r"^# Taught: (?P<date>\S+Z), (?P<count>\d+) measurements in (?P<duration>[\d.]+) s, spread (?P<x>[\d.]+) mm "
+    rf"^{TAUGHT}(?P<date>\S+Z), (?P<count>\d+) measurements in (?P<duration>[\d.]+) s, spread (?P<x>[\d.]+) mm "
     r"(?P<y>[\d.]+) mm (?P<heading>[\d.]+) deg$",
     re.MULTILINE,
 )
@@ -88,11 +89,16 @@ def teaching_of(text: str) -> Teaching | None:
     return Teaching(date, int(match["count"]), float(match["duration"]), spread)
 
 
+def without_teaching(text: str) -> str:
+    """The dock file's text without the line that says when it was taught."""
+    return "".join(line for line in text.splitlines(keepends=True) if not line.startswith(TAUGHT))
+
+
 def _line(measured: Measurement, now: datetime.datetime) -> str:
     date = now.astimezone(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     x, y, heading = 1000 * measured.spread[0], 1000 * measured.spread[1], math.degrees(measured.spread[2])
     return (
-        f"# Taught: {date}, {measured.count} measurements in {measured.duration:.1f} s, "
+        f"{TAUGHT}{date}, {measured.count} measurements in {measured.duration:.1f} s, "
         f"spread {x:.2f} mm {y:.2f} mm {heading:.3f} deg"
     )
 

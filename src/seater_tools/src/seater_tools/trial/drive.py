@@ -25,9 +25,10 @@ SPEED, RATE = 0.25, 0.35  # [m/s], [rad/s]
 
 @dataclass(frozen=True)
 class To:
-    """Drive along the dock's axis to x [m], forward or backward, steering towards y = 0."""
+    """Drive along the dock's axis to x [m], forward or backward, steering towards y [m]."""
 
     x: float
+    y: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -37,8 +38,10 @@ class Face:
     heading: float
 
 
+Script = tuple[To | Face, ...]
+
 # There and back twice, a turn to both sides at three distances: what docs/how-to/calibrate_the_mount.md asks for.
-SCRIPT: tuple[To | Face, ...] = (
+SCRIPT: Script = (
     To(-0.5),
     To(-1.8),
     *(Face(math.radians(angle)) for angle in (30.0, -30.0, 0.0)),
@@ -51,7 +54,7 @@ SCRIPT: tuple[To | Face, ...] = (
     To(-0.5),
     To(-2.4),
 )
-STRAIGHTS: tuple[To | Face, ...] = (To(-0.9), To(-2.4), To(-0.9), To(-2.4))
+STRAIGHTS: Script = (To(-0.9), To(-2.4), To(-0.9), To(-2.4))
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,7 @@ def drive_chair(
     seed: int,
     image: Callable[[Frame], None],
     odometry: Callable[[float, Array], None],
-    script: tuple[To | Face, ...] = SCRIPT,
+    script: Script = SCRIPT,
     image_period: float = 0.1,
 ) -> None:
     """Calls back for each image and each odometry message, in the order of time. Same arguments, same drive."""
@@ -78,7 +81,7 @@ def drive_chair(
     step, period = to_ns(simulator.step), to_ns(simulator.odometry.period)
     due = {"odometry": 0, "image": 0, "command": 0}
     way = turn = 0.0
-    commands = _commands(script, lambda: plant.pose)
+    commands = commands_by_eye(script, lambda: plant.pose)
     while plant.time_ns < to_ns(LONGEST):
         now_ns, now = plant.time_ns, plant.time_ns / 1e9
         if now_ns >= due["odometry"]:
@@ -98,8 +101,8 @@ def drive_chair(
         way, turn = way + plant.motion.way, turn + plant.motion.turn
 
 
-def _commands(script: tuple[To | Face, ...], pose: Callable[[], Array]) -> Iterator[tuple[float, float]]:
-    """One for each period; ends after the last move."""
+def commands_by_eye(script: Script, pose: Callable[[], Array]) -> Iterator[tuple[float, float]]:
+    """One for each PERIOD, from where the chair truly is; ends after the last move."""
     for move in script:
         yield from _driven(move, pose) if isinstance(move, To) else _turned(move, pose)
         for _ in range(round(PAUSE / PERIOD)):
@@ -110,7 +113,7 @@ def _driven(move: To, pose: Callable[[], Array]) -> Iterator[tuple[float, float]
     way = math.copysign(1.0, move.x - pose()[0])
     while (left := way * (move.x - pose()[0])) > 0.02:
         _, y, heading = pose()
-        steer = -1.0 * heading - 0.8 * way * y
+        steer = -1.0 * heading - 0.8 * way * (y - move.y)
         yield way * min(SPEED, 0.06 + 0.8 * left), max(-0.2, min(0.2, steer))
 
 

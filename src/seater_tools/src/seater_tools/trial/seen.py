@@ -11,7 +11,7 @@ from seater_sim.settings import SimulatorSettings
 from seater_tools.drive.drive import Drive
 from seater_tools.drive.gather import Gatherer
 from seater_tools.mount.layout import marker_rotations
-from seater_tools.trial.drive import SCRIPT, Face, Frame, To, drive_chair
+from seater_tools.trial.drive import SCRIPT, Frame, Script, drive_chair
 from seater_tools.trial.truth import Installation
 
 Array = NDArray[np.float64]
@@ -27,7 +27,7 @@ def simulate_drive(
     simulator: SimulatorSettings,
     limits: Limits,
     seed: int,
-    script: tuple[To | Face, ...] = SCRIPT,
+    script: Script = SCRIPT,
 ) -> Drive:
     """A drive in front of this installation; raises DriveError when the camera sees too little."""
     rng = np.random.default_rng([seed, 91])

@@ -73,7 +73,7 @@ class ImageDocking:
             self.perception, self.gate = Perception(c), Gate(c.chair, c.safety)
             camera = tools.camera(c)
             self.simulator = Simulator(
-                c.simulator, c.simulated_chair, c.simulated_dock, c.camera, start, seed=seed, camera=camera
+                c.simulator, c.simulated_chair, c.simulated_dock, c.simulated_camera, start, seed=seed, camera=camera
             )
         self._rough_pose, self._period, self._cycle = rough_pose, parameters.control.control_period, -1
         self.result: Result | None = None

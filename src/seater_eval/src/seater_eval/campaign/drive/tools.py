@@ -53,10 +53,10 @@ def minimum_time(chair: Chair, dock: Dock) -> MinimumTime:
 def camera(c: Configuration) -> Camera:
     """The simulated camera of the true chair at the true dock."""
     s = c.simulator
-    key = (_numbers(c.camera), c.simulated_chair.camera, c.simulated_dock, s.camera, s.scene, s.obstacles)
+    key = (_numbers(c.simulated_camera), c.simulated_chair.camera, c.simulated_dock, s.camera, s.scene, s.obstacles)
 
     def make() -> Camera:
-        return Camera(c.camera, c.simulated_chair.camera, c.simulated_dock, s.camera, s.scene, s.obstacles)
+        return Camera(c.simulated_camera, c.simulated_chair.camera, c.simulated_dock, s.camera, s.scene, s.obstacles)
 
     return _keep("camera", key, make)
 

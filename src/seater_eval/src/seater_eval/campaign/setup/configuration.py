@@ -55,7 +55,7 @@ class Files:
 
 @dataclass(frozen=True)
 class Configuration:
-    """Everything that a docking depends on but the seed and where it starts. `chair` and `dock` are what the
+    """Everything that a docking depends on but the seed and where it starts. `chair`, `dock` and `camera` are what the
     controller, perception and gate are told; the simulated ones may differ."""
 
     chair: Chair
@@ -65,6 +65,7 @@ class Configuration:
     parameters: NmpcParameters
     simulator: SimulatorSettings
     camera: CameraModel
+    simulated_camera: CameraModel
     perception: dict[str, Any]  # config/perception.yaml, for the library
     dock_values: dict[str, Any]  # the dock's file, for the library
     mount_values: dict[str, Any]  # `camera` of the chair's file, for the library
@@ -86,6 +87,7 @@ def configuration(files: Files, start: Mapping[str, Any], changes: Sequence[Mapp
             values[f"simulated_{section}"] = merged(
                 values[f"simulated_{section}"], change.get(f"simulated_{section}", {})
             )
+    camera = CameraModel.from_mapping(values["camera"])
     return Configuration(
         chair=load(Chair, values["chair"], "chair"),
         dock=load(Dock, values["dock"], "dock"),
@@ -93,7 +95,8 @@ def configuration(files: Files, start: Mapping[str, Any], changes: Sequence[Mapp
         simulated_dock=load(Dock, values["simulated_dock"], "simulated_dock"),
         parameters=load(NmpcParameters, values["controller"], "controller"),
         simulator=load(SimulatorSettings, values["simulator"], "simulator"),
-        camera=CameraModel.from_mapping(values["camera"]),
+        camera=camera,
+        simulated_camera=camera,
         perception=values["perception"],
         dock_values=values["dock"],
         mount_values=values["chair"]["camera"],

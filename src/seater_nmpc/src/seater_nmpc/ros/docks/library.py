@@ -8,7 +8,7 @@ from typing import Any, Generic, TypeVar
 
 import rospy
 
-from seater_common.docks import DockDatabase, DockEntry, read_folder
+from seater_common.files.docks import DockDatabase, DockEntry, read_folder
 from seater_common.params import ParameterError
 
 C = TypeVar("C")

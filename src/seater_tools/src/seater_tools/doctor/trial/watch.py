@@ -20,6 +20,7 @@ from seater_tools.doctor.gather.legs import make_move
 from seater_tools.doctor.gather.watcher import Watcher
 from seater_tools.doctor.observations import GateSeen, MarkerSeen, Move, Observations, Sight
 from seater_tools.doctor.trial.scene import Scene
+from seater_tools.trial.eyes import make_tracker
 
 Array = NDArray[np.float64]
 
@@ -137,11 +138,8 @@ def _perception(scene: Scene) -> _Perception | None:
     """As the nodelet, told the files and camera_info; None: it would not start."""
     try:
         info = CameraModel.from_mapping(scene.info, "camera_info")
-        K, D, P = ([float(value) for value in matrix.ravel()] for matrix in (info.K, info.D, info.P))
-        camera = sp.CameraModel.raw(sp.Calibration(info.width, info.height, K, D, info.distortion_model, P))
         told = scene.told
-        layout = sp.load_dock_layout(told["dock"])
-        tracker = sp.DockTracker(camera, layout, told["perception"], told["chair"]["camera"])
+        tracker = make_tracker(info, told["dock"], told["perception"], told["chair"]["camera"])
     except (ParameterError, ValueError, TypeError, KeyError):
         return None
     return _Perception(tracker, info.width, info.height)

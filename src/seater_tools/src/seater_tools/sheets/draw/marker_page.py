@@ -24,7 +24,7 @@ class Words:
     place: str  # where it hangs
     name: str  # the marker, in its upper strip
     note: str  # in its lower strip, left
-    source: str  # the dock file
+    source: str  # option that names the dock file
 
 
 def draw_sheet(pen: Pen, piece: Piece, sheet: Sheet, paper: Paper, words: Words) -> None:

@@ -19,7 +19,7 @@ Pieces = dict[int, Piece]
 STEPS = (
     "1. Print every page at 100 % (actual size, no fitting to the page) on matt paper.",
     "2. Measure both bars of page 1 with a steel ruler. If they are not {bar:.0f} mm long:",
-    "    ./seater sheets --dock {source} --paper {paper} --measured-bar ACROSS UPWARDS",
+    "    ./seater sheets {source} --paper {paper} --measured-bar ACROSS UPWARDS",
     "    and use the copy of the dock file that it writes.",
     "3. A marker of several sheets: join each row from left to right, then the rows from above, as each head says.",
     "4. Glue each print on something flat and stiff, without bubbles and without a glossy film over it. Cut along the",

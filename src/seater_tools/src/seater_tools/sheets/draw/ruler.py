@@ -29,10 +29,10 @@ def _placed(x: float, y: float, block: tuple[float, float, float, float], uprigh
 
 
 def draw_footer(pen: Pen, width: float, paper: Paper, source: str) -> None:
-    """Bar and what to do with it, at the lower edge of a page of this width. `source`: the dock file."""
+    """Bar and what to do with it, at the lower edge of a page of this width. `source`: option that names the dock."""
     left = 0.5 * (width - paper.bar)
     draw_bar(pen, left, UNPRINTABLE + 1.0, paper.bar)
     first = f"Measure this bar from end to end: {paper.bar:.0f} mm? If not, print again at 100 % (actual size), or"
-    second = f"./seater sheets --dock {source} --paper {paper.name} --measured-bar MILLIMETRES"
+    second = f"./seater sheets {source} --paper {paper.name} --measured-bar MILLIMETRES"
     pen.text(left, UNPRINTABLE + 15.5, first, 7.5, fit=paper.bar)
     pen.text(left, UNPRINTABLE + 11.5, second, 7.5, fit=paper.bar)

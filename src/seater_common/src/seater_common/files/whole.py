@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import os
 from pathlib import Path
 
@@ -25,3 +26,17 @@ def write_whole(path: Path, content: bytes, overwrite: bool) -> None:
         part.replace(path)
     finally:
         part.unlink(missing_ok=True)
+
+
+def replace_kept(text: str, target: Path, now: datetime.datetime) -> list[Path]:
+    """Writes the text as `target`; one that is there stays beside it, with the time in its name. Files written.
+
+    Raises OSError: nothing is changed then.
+    """
+    written = []
+    if target.exists():
+        old = target.with_name(f"{target.name}.{now.astimezone(datetime.UTC).strftime('%Y%m%dT%H%M%SZ')}")
+        write_whole(old, target.read_bytes(), overwrite=False)
+        written.append(old)
+    write_whole(target, text.encode(), overwrite=True)
+    return [target, *written]

@@ -1,0 +1,1 @@
+"""Files of a chair and its docks."""
