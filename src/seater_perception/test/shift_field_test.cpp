@@ -10,6 +10,7 @@
 #include <random>
 
 #include "scene.h"
+#include "seater_perception/photometric.h"
 
 using namespace seater_perception;
 
@@ -29,13 +30,18 @@ ShiftEvidence drawn(double variance, double most, std::mt19937& random) {
   return evidence;
 }
 
+void add(const ShiftEvidence& evidence, double weight, ShiftField& field) {
+  for (std::size_t k = 0; k < evidence.square.size(); ++k)
+    field.add(evidence.information[k], evidence.square[k], weight);
+}
+
 double meanVariance(double variance, double most, double usual) {
   std::mt19937 random(3);
   constexpr int kImages = 200;
   double sum = 0.0;
   for (int i = 0; i < kImages; ++i) {
     ShiftField field;
-    for (int marker = 0; marker < 3; ++marker) field.add(drawn(variance, most, random), 1.0);
+    for (int marker = 0; marker < 3; ++marker) add(drawn(variance, most, random), 1.0, field);
     sum += field.variance(usual) / kImages;
   }
   return sum;
@@ -66,10 +72,9 @@ TEST(ShiftField, OthersCountByTheirWeight) {
   std::mt19937 random(4);
   ShiftField own, heavy, light;
   const ShiftEvidence quiet = drawn(0.0, 1e5, random), moved = drawn(0.09, 1e5, random);
-  own.add(quiet, 1.0);
-  for (ShiftField* field : {&heavy, &light}) field->add(quiet, 1.0);
-  heavy.add(moved, 1.0);
-  light.add(moved, 0.01);
+  for (ShiftField* field : {&own, &heavy, &light}) add(quiet, 1.0, *field);
+  add(moved, 1.0, heavy);
+  add(moved, 0.01, light);
   EXPECT_LT(own.variance(kUsual), light.variance(kUsual));
   EXPECT_LT(light.variance(kUsual), heavy.variance(kUsual));
 }

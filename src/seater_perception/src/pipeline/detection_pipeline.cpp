@@ -146,7 +146,10 @@ double DetectionPipeline::shiftSigma(const std::vector<Fit>& fits, const Fit& of
   ShiftField field;
   const double others = std::min(1.0, kOthers / std::max(1.0, static_cast<double>(fits.size()) - 1.0));
   for (const Fit& f : fits) {
-    if (f.refined.outcome == MarkerOutcome::refined) field.add(f.refined.shifts, &f == &of ? 1.0 : others);
+    if (f.refined.outcome != MarkerOutcome::refined) continue;
+    const ShiftEvidence& seen = f.refined.shifts;
+    const double weight = &f == &of ? 1.0 : others;
+    for (std::size_t k = 0; k < seen.square.size(); ++k) field.add(seen.information[k], seen.square[k], weight);
   }
   return std::sqrt(field.variance(usual));
 }

@@ -21,10 +21,8 @@ double shiftCorrelation(const Eigen::Vector2d& apart, double smoothness) {
   return std::exp(-apart.squaredNorm() / (4.0 * smoothness * smoothness));
 }
 
-void ShiftField::add(const ShiftEvidence& evidence, double weight) {
-  for (std::size_t k = 0; k < evidence.information.size(); ++k) {
-    if (evidence.information[k] > 0.0) modes_.push_back({evidence.information[k], evidence.square[k], weight});
-  }
+void ShiftField::add(double information, double square, double weight) {
+  if (information > 0.0) modes_.push_back({information, square, weight});
 }
 
 double ShiftField::variance(double usual) const {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "pose/pose.h"
-#include "seater_perception/photometric.h"
 
 namespace seater_perception {
 
@@ -21,8 +20,8 @@ double shiftCorrelation(const Eigen::Vector2d& apart, double smoothness);
 /// The variance of shifts in an image, by what fits of its markers have left over.
 class ShiftField {
  public:
-  /// `weight`: how much a marker counts; 1: as one.
-  void add(const ShiftEvidence& evidence, double weight);
+  /// One direction of a marker's ShiftEvidence (photometric.h). `weight`: how much it counts; 1: as one.
+  void add(double information, double square, double weight);
   /// [px^2] of each coordinate. `usual`: standard deviation [px] that is expected where markers do not tell. Quadratic
   /// estimate of a variance component (C. R. Rao, "Estimation of variance and covariance components - MINQUE theory",
   /// Journal of Multivariate Analysis 1971), iterated, plus a part of its own standard deviation.

@@ -96,8 +96,10 @@ std::vector<TemplateBook::Candidate> TemplateBook::compare(const ImageLevels::Sa
   // The light that fits best to what was seen.
   const Eigen::Matrix<float, Eigen::Dynamic, 3> seen = samples.weights.asDiagonal() * light_;
   const Eigen::Matrix3f normal = light_.transpose() * seen;
-  const Eigen::Vector3f light = normal.ldlt().solve(light_.transpose() * samples.grey);
-  const Eigen::VectorXf rest = samples.grey - seen * light;
+  const auto solver = normal.ldlt();
+  Eigen::VectorXf rest = samples.grey;
+  // Twice: what rounding leaves of it the first time would count, because codes have light in them too.
+  for (int pass = 0; pass < 2; ++pass) rest -= seen * Eigen::Vector3f(solver.solve(light_.transpose() * rest));
   const float length = rest.norm();
   if (!(length > 0.0f) || !std::isfinite(length)) return best;
   const Blurred& known = blurred(level);
