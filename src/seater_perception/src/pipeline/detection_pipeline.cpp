@@ -17,6 +17,7 @@ namespace {
 constexpr double kQuietZone = 0.15;  // [sides] round a marker: about a cell
 // What all other markers of the image tell of its shifts counts as that of so many at most: prints are bent one by one.
 constexpr double kOthers = 8.0;
+constexpr double kLeastShift = 0.02;  // [px] No lens is calibrated better, however little of it a marker shows.
 // [px] Shifts below these are not known to turn a branch over; by the wrong branches on drawn kinds of cameras.
 constexpr double kSmallShift = 0.025;
 
@@ -151,7 +152,7 @@ double DetectionPipeline::shiftSigma(const std::vector<Fit>& fits, const Fit& of
     const double weight = &f == &of ? 1.0 : others;
     for (std::size_t k = 0; k < seen.square.size(); ++k) field.add(seen.information[k], seen.square[k], weight);
   }
-  return std::sqrt(field.variance(usual));
+  return std::hypot(usual > 0.0 ? kLeastShift : 0.0, std::sqrt(field.variance(usual)));
 }
 
 MarkerEstimate DetectionPipeline::settled(const PhotometricContext& context, const std::vector<DockHypothesis>& dock,
