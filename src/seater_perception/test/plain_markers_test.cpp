@@ -4,6 +4,7 @@
 
 #include "pose/marker_pose.h"
 #include "scene.h"
+#include "search/code/template_book.h"
 
 using namespace seater_perception;
 
@@ -22,6 +23,28 @@ cv::Mat onThePixelGrid(int id, int side, int x, int y, double blur, int black = 
 }
 
 }  // namespace
+
+// Codes are compared by what their cells show: as if each had been blurred point by point.
+TEST(TemplateBook, comparesAsTheBlurredCodesThemselves) {
+  const TemplateBook book(MarkerFamily::named("DICT_6X6_250"), {});
+  for (const int level : {0, 5, 10}) {
+    for (const int id : {0, 77, 249}) {
+      PatternTemplate::Fit light;
+      light.gain = 120.0;
+      light.light = {40.0, 6.0, -9.0};
+      ImageLevels::Samples samples;
+      samples.grey = book.of(id, level).grey(light);
+      samples.weights.setOnes(samples.grey.size());
+      samples.seen = static_cast<int>(samples.grey.size());
+      const auto best = book.compare(samples, level, 2);
+      ASSERT_EQ(best.size(), 2U);
+      EXPECT_EQ(best[0].id, id);
+      EXPECT_EQ(best[0].turn, 0);
+      EXPECT_NEAR(best[0].correlation, 1.0, 1e-5) << level;
+      EXPECT_LT(best[1].correlation, 0.95) << level;
+    }
+  }
+}
 
 // Near the exactly frontal square, where a tilt is the square root of rounding errors (1e-8), OpenCV's solutions are
 // wrong.

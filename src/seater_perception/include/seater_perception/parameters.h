@@ -58,7 +58,7 @@ struct DetectorParameters {
 struct PoseParameters {
   double corner_sigma = 0.05;
   double corner_sigma_coarse = 0.25;
-  double model_sigma = 0.02;
+  double model_sigma = 0.1;
   double tilt_sigma = 0.035;
   double min_hypothesis_weight = 0.02;
   double max_reprojection_error = 1.0;
@@ -70,8 +70,9 @@ struct PoseParameters {
   void visit(Visitor& v) {
     v.number("corner_sigma", corner_sigma, "px", 0.001, 5.0, "standard deviation of a corner coordinate");
     v.number("corner_sigma_coarse", corner_sigma_coarse, "px", 0.001, 5.0, "the same where the edge fit failed");
-    v.number("model_sigma", model_sigma, "px", 0.0, 5.0,
-             "photometric: error of the camera and print model, as of a corner");
+    v.number(
+        "model_sigma", model_sigma, "px", 0.0, 5.0,
+        "photometric: shifts of parts of the image that are usual where markers do not tell; 0: exactly as modelled");
     v.number("tilt_sigma", tilt_sigma, "rad", 0.001, 1.0, "how far markers and camera are from upright");
     v.number("min_hypothesis_weight", min_hypothesis_weight, "", 0.0, 0.5, "less probable poses are not published");
     v.number("max_reprojection_error", max_reprojection_error, "px", 0.05, 20.0,

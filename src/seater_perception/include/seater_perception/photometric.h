@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,6 +17,16 @@ class Mat;
 }
 
 namespace seater_perception {
+
+/// What a fit has left over of shifts of parts of a print that are smooth over the image (prints not flat, what is left
+/// of a lens' distortion, line jitter), along directions in which they do not mix. Of a field of variance v [px^2], the
+/// square along a direction of information i is expected to be i + v i^2: i of it is the noise of the grey levels.
+struct ShiftEvidence {
+  static constexpr int kModes = 18;
+
+  std::array<double, kModes> information{};  ///< [1/px^2]; 0: tells nothing
+  std::array<double, kModes> square{};       ///< [1/px^2]
+};
 
 /// What a fit gives.
 struct PhotometricResult {
@@ -37,6 +48,7 @@ struct PhotometricResult {
   double explained = 0.0;  ///< part of the grey levels' variance that the pattern explains, outliers included; 1: all
   double clipped_low = 0.0, clipped_high = 0.0;  ///< fraction of the pixels at either end of the sensor's range
   int pixels = 0, iterations = 0;
+  ShiftEvidence shifts;  ///< of the best fit of one print
 };
 
 /// The result from one initial pose and what it weighs beside the others'.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "photometric/shift_evidence.h"
+
 namespace seater_perception {
 namespace {
 
@@ -200,6 +202,11 @@ void BranchFit::finish(const PhotometricProblem& problem) {
   const Descent end = descend(problem, {RobustLoss::tukey, parameters_->tukey, kFineDone});
   if (!end.converged) return fail("no convergence");
   judge(problem, end);
+}
+
+void BranchFit::tellShifts(const PhotometricProblem& problem) {
+  const Weighing own = weighing(RobustLoss::tukey, parameters_->tukey);
+  result.shifts = shiftEvidence(problem, state, own, result.noise_sd * result.noise_sd);
 }
 
 /// Noise, score and covariance from the residuals of the last evaluation. Covariance of an M-estimator: Huber, "Robust

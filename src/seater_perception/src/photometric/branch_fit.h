@@ -49,6 +49,8 @@ class BranchFit {
   bool sameAs(const BranchFit& best, const Evaluation& look) const;
   /// On all pixels: pose, noise, covariance, score.
   void finish(const PhotometricProblem& problem);
+  /// After that, of one print: what is left over of shifts.
+  void tellShifts(const PhotometricProblem& problem);
 
  private:
   struct Goal {

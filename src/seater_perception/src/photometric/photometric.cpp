@@ -241,6 +241,13 @@ std::vector<BranchFit> PhotometricRefiner::Workspace::fitClipped(const FitContex
     if (!again) break;
   }
   for (std::size_t i = 0; i < fits.size(); ++i) conclude(context, parameters, context.initial[i], fits[i]);
+  if (samples.size() != 1) return fits;
+  const auto better = [](const BranchFit& a, const BranchFit& b) {
+    return !a.failed && (b.failed || a.result.cost < b.result.cost);
+  };
+  const auto best = std::min_element(fits.begin(), fits.end(), better);
+  if (best == fits.end() || best->failed) return fits;
+  best->tellShifts({context.camera, context.placements, samples, psf_model, parameters.illumination_slope, pool});
   return fits;
 }
 

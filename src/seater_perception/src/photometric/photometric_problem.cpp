@@ -147,4 +147,32 @@ void PhotometricProblem::toObject(std::size_t m, Buffers& out) const {
   block.leftCols<6>() = (block.leftCols<6>() * motion).eval();
 }
 
+std::optional<PhotometricProblem::WeightedRows> PhotometricProblem::weightedRows(const PhotometricState& state,
+                                                                                 const Weighing& weighing,
+                                                                                 int most) const {
+  const PixelBatch& batch = samples_->front().batch;
+  MarkerView seen;
+  if (!view(0, state, seen)) return std::nullopt;
+  const int count = std::min(most, batch.count);
+  std::vector<float> residual(static_cast<std::size_t>(batch.padded)), valid(residual.size());
+  double sum[kColumns][kColumns] = {};
+  WeightedRows result;
+  result.rows.resize(count, 7 + psf_ + brightness_);
+  accumulateBatch(batch, count, seen, psf_, brightness_, state.brightness.front(), weighing, sum, residual.data(),
+                  valid.data(), result.rows.data());
+  for (int row = 0; row < kColumns; ++row) {
+    for (int column = 0; column < kColumns; ++column) result.products(row, column) = sum[row][column];
+  }
+  return result;
+}
+
+Eigen::Matrix2d PhotometricProblem::pixelByCell(const PhotometricState& state) const {
+  const PatternPlacement& placement = placements_->front();
+  const Eigen::Isometry3d T = state.pose * placement.T_object_marker;
+  const Eigen::Vector3d t = T.translation();
+  Eigen::Matrix<double, 2, 3> by_point;
+  by_point << fx_ / t.z(), 0.0, -fx_ * t.x() / (t.z() * t.z()), 0.0, fy_ / t.z(), -fy_ * t.y() / (t.z() * t.z());
+  return by_point * T.linear().leftCols<2>() * (placement.size / placement.pattern.cells());
+}
+
 }  // namespace seater_perception

@@ -42,11 +42,23 @@ class PhotometricProblem {
   double fractionBelow(double level) const;
   double fractionAbove(double level) const;
 
+  /// Rows of a marker's least-squares problem, each weighted by the root of its pixel's weight.
+  struct WeightedRows {
+    Eigen::MatrixXf rows;  ///< [J r] of accumulateBatch, motion along the marker's own axes
+    Eigen::Matrix<double, kColumns, kColumns> products;  ///< upper triangle of [J r]^T [J r]
+  };
+  /// Of the first `most` pixels of the first marker; nothing when the state is impossible.
+  std::optional<WeightedRows> weightedRows(const PhotometricState& state, const Weighing& weighing, int most) const;
+  /// Derivative of the pixel by the place on the first marker, about its middle [px per cell].
+  Eigen::Matrix2d pixelByCell(const PhotometricState& state) const;
+
   const std::vector<MarkerSamples>& samples() const { return *samples_; }
   int psfUnknowns() const { return psf_; }
   int brightnessUnknowns() const { return brightness_; }
   int unknowns() const;
   int pixels() const;
+  /// Of the first marker along a side, the border included.
+  int cells() const { return placements_->front().pattern.cells(); }
 
  private:
   using Buffers = EvaluationPool::Buffers;

@@ -6,6 +6,7 @@
 #include "image/exposure.h"
 #include "image/image_checks.h"
 #include "pipeline/expected_marker.h"
+#include "pose/shift_field.h"
 #include "stage/initial_poses.h"
 #include "stage/open_branches.h"
 
@@ -14,6 +15,11 @@ namespace seater_perception {
 namespace {
 
 constexpr double kQuietZone = 0.15;  // [sides] round a marker: about a cell
+// What all other markers of the image tell of its shifts counts as that of so many at most: prints are bent one by one.
+constexpr double kOthers = 8.0;
+constexpr double kLeastShift = 0.02;  // [px] No lens is calibrated better, however little of it a marker shows.
+// [px] Shifts below these are not known to turn a branch over; by the wrong branches on drawn kinds of cameras.
+constexpr double kSmallShift = 0.025;
 
 /// Only what is not in the layout can be left out of the search.
 std::set<int> idsOf(const DockLayout& layout) {
@@ -117,36 +123,67 @@ void DetectionPipeline::keepDecided(const std::vector<DockHypothesis>& dock, Mar
   keepNearest(dock.front().pose * place->second.T_dock_marker(), marker);
 }
 
+/// A tracked marker that the fit does not confirm is done again from its edges.
+DetectionPipeline::Fit DetectionPipeline::fit(const PhotometricContext& context,
+                                              const std::vector<DockHypothesis>& dock, const MarkerEstimate& marker,
+                                              bool tracked) const {
+  Fit fit{marker, {}, tracked};
+  keepDecided(dock, fit.found);
+  fit.refined = refineMarker(context, fit.found, tracked);
+  if (fit.refined.outcome != MarkerOutcome::doubtful) return fit;
+  const bool of_this_image = startAgain(context.grey, fit.found);
+  keepDecided(dock, fit.found);
+  fit.refined = refineMarker(context, fit.found, false);
+  fit.as_tracked = false;
+  // Poses of the last image.
+  if (fit.refined.outcome != MarkerOutcome::refined && !of_this_image) fit.refined.marker.hypotheses.clear();
+  return fit;
+}
+
+/// [px] Of the image's shifts at a marker: by what its own fit has left over, and the others'.
+double DetectionPipeline::shiftSigma(const std::vector<Fit>& fits, const Fit& of) const {
+  const double usual = parameters_.pose.model_sigma;
+  if (usual == 0.0 && !of.refined.deviates) return 0.0;
+  ShiftField field;
+  const double others = std::min(1.0, kOthers / std::max(1.0, static_cast<double>(fits.size()) - 1.0));
+  for (const Fit& f : fits) {
+    if (f.refined.outcome != MarkerOutcome::refined) continue;
+    const ShiftEvidence& seen = f.refined.shifts;
+    const double weight = &f == &of ? 1.0 : others;
+    for (std::size_t k = 0; k < seen.square.size(); ++k) field.add(seen.information[k], seen.square[k], weight);
+  }
+  return std::hypot(usual > 0.0 ? kLeastShift : 0.0, std::sqrt(field.variance(usual)));
+}
+
+MarkerEstimate DetectionPipeline::settled(const PhotometricContext& context, const std::vector<DockHypothesis>& dock,
+                                          double shift_sigma, const Fit& fit) const {
+  MarkerEstimate marker = fit.refined.marker;
+  if (marker.hypotheses.empty()) return marker;
+  if (fit.refined.outcome != MarkerOutcome::refined) {
+    keepCorners(dock, marker);
+    return marker;
+  }
+  settleMarker(context, priorOf(marker.image.id), shift_sigma, marker);
+  const bool open = fit.refined.deviates || shift_sigma > kSmallShift;
+  if (open && !fit.as_tracked && marker.ambiguity < kUndecided) leaveOpen(dock, fit.found, marker);
+  return marker;
+}
+
 void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& tracked, ImageEstimate& result) {
   const PhotometricContext context{grey, camera_, parameters_.pose, refiner_, patterns_};
   const auto dock = estimateDock(camera_, result.markers, layout_, "bundle", up_, parameters_.pose);
-  std::vector<MarkerEstimate> kept;
-  for (MarkerEstimate& marker : result.markers) {
-    const int id = marker.image.id;
-    const PosePrior prior = priorOf(id);
-    // Leaves the poses of the corners where the image contradicts the model.
-    const auto refine = [&](bool as_tracked) {
-      keepDecided(dock, marker);
-      RefinedMarker refined = refineMarker(context, prior, marker, as_tracked);
-      const bool decided = refined.outcome == MarkerOutcome::refined && refined.marker.ambiguity < kUndecided;
-      if (decided && !as_tracked && refined.deviates) leaveOpen(dock, marker, refined.marker);
-      marker = std::move(refined.marker);
-      if (refined.outcome == MarkerOutcome::corners_kept) keepCorners(dock, marker);
-      return refined.outcome;
-    };
-    if (!tracked.count(id) || refine(true) == MarkerOutcome::doubtful) {
-      const bool of_this_image = !tracked.count(id) || startAgain(grey, marker);
-      const bool refined = refine(false) == MarkerOutcome::refined;
-      if (!refined && !of_this_image) marker.hypotheses.clear();  // they are the last image's
-    }
+  std::vector<Fit> fits;
+  for (const MarkerEstimate& m : result.markers) fits.push_back(fit(context, dock, m, tracked.count(m.image.id) > 0));
+  result.markers.clear();
+  for (const Fit& f : fits) {
+    const MarkerEstimate marker = settled(context, dock, shiftSigma(fits, f), f);
     // Its bits have proved the marker. That the grey levels are not as the model has them does not unmake it.
     if (marker.hypotheses.empty() || marker.image.side() < parameters_.detector.min_side) {
       ++result.refused;
     } else {
-      kept.push_back(marker);
+      result.markers.push_back(marker);
     }
   }
-  result.markers = kept;
 }
 
 /// Poses of the corners, when they give one.
@@ -163,7 +200,7 @@ void DetectionPipeline::leaveOpen(const std::vector<DockHypothesis>& dock, const
   const bool small = found.image.side() < kLargeMarker;
   if (!small && found.image.edges_fitted && refined.model_holds) return;
   MarkerEstimate by_corners = found;
-  by_corners.model_sigma = refined.model_sigma;
+  by_corners.model_sigma = std::max(refined.model_sigma, refined.shift_sigma);
   keepCorners(dock, by_corners);
   openBranches(by_corners, refined);
 }

@@ -46,9 +46,21 @@ class DetectionPipeline {
   const DockLayout& layout() const { return layout_; }
 
  private:
+  /// A marker's fit and what it began with.
+  struct Fit {
+    MarkerEstimate found;
+    RefinedMarker refined;
+    bool as_tracked = false;
+  };
+
   PosePrior priorOf(int id) const;
   std::optional<MarkerEstimate> expected(const MarkerCorners& found, const std::map<int, MarkerEstimate>& last) const;
   void keepDecided(const std::vector<DockHypothesis>& dock, MarkerEstimate& marker) const;
+  Fit fit(const PhotometricContext& context, const std::vector<DockHypothesis>& dock, const MarkerEstimate& marker,
+          bool tracked) const;
+  double shiftSigma(const std::vector<Fit>& fits, const Fit& of) const;
+  MarkerEstimate settled(const PhotometricContext& context, const std::vector<DockHypothesis>& dock, double shift_sigma,
+                         const Fit& fit) const;
   void refineMarkers(const cv::Mat& grey, const std::set<int>& tracked, ImageEstimate& result);
   void keepCorners(const std::vector<DockHypothesis>& dock, MarkerEstimate& marker) const;
   void leaveOpen(const std::vector<DockHypothesis>& dock, const MarkerEstimate& found, MarkerEstimate& refined) const;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "numerics/solve.h"
+#include "pose/shift_field.h"
 #include "stage/fitted_hypotheses.h"
 
 namespace seater_perception {
@@ -97,15 +98,15 @@ RefinedDock refineDock(const PhotometricContext& context, const DockLayout& layo
   };
   hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), displaced), hypotheses.end());
   if (hypotheses.empty()) return {DockOutcome::displaced, dock};
-  Correspondences fitted;
-  double model_sigma = 0.0;
+  ShiftedPlaces places;
   for (const Member& m : *members) {
-    if (!photometric(m)) continue;
-    fitted.append(m.corners);
-    model_sigma = std::max(model_sigma, m.seen->model_sigma);
+    const DockMarker& place = layout.markers.at(m.seen->image.id);
+    if (photometric(m)) places.add(place.size, place.T_dock_marker(), m.seen->shift_sigma);
   }
-  addModelError(context.camera, fitted, std::hypot(context.pose.model_sigma, model_sigma), hypotheses);
-  for (auto& h : hypotheses) addCorners(context.camera, *members, h);
+  for (auto& h : hypotheses) {
+    if (const auto covariance = shiftCovariance(context.camera, places, h.pose)) h.covariance += *covariance;
+    addCorners(context.camera, *members, h);
+  }
   PosePrior prior;
   prior.up = up;
   prior.object_up = Eigen::Vector3d::UnitZ();

@@ -107,6 +107,7 @@ void MarkerFits::compareWithNoise(const PhotometricResult& result) {
   residual_ = residual;
   misfit_ = residual / noiseBeside(result);
   psf_sd_ = result.psf_sd;
+  shifts_ = result.shifts;
   model_sigma_ = std::hypot(shiftOf(result, residual, misfit_), bloomOf(result));
   // Curves of grey levels (equalised, binarised images) leave residuals that say little of places.
   if (result.explained < smallestExplained()) model_sigma_ = std::max(model_sigma_, context_.pose.corner_sigma_coarse);

@@ -33,6 +33,8 @@ class MarkerFits {
   double residual() const { return residual_; }
   /// [px] standard deviation of a corner by what the residuals at edges are more than noise; 0: they are noise.
   double modelSigma() const { return model_sigma_; }
+  /// What the same has left over of shifts of parts of the print.
+  const ShiftEvidence& shifts() const { return shifts_; }
   /// What chi-squared has to be divided by to be believed.
   double doubt() const;
 
@@ -51,6 +53,7 @@ class MarkerFits {
   std::optional<Brightness> brightness_;
   std::vector<PhotometricBranch> branches_;  // of the last fits
   double residual_ = 0.0, misfit_ = 0.0, psf_sd_ = 0.0, model_sigma_ = 0.0;
+  ShiftEvidence shifts_;
   double beside_ = 0.0;  // noise round the marker, once it is known
 };
 

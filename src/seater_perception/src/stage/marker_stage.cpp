@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "pose/shift_field.h"
 #include "seater_perception/dock_layout.h"
 #include "stage/fitted_hypotheses.h"
 #include "stage/initial_poses.h"
@@ -44,15 +45,13 @@ void placeCorners(const CameraModel& camera, const PoseHypothesis& hypothesis, d
 }
 
 /// Leaves out what says nothing and what the corners contradict. False when the corners cannot be undistorted.
-bool compareWithCorners(const PhotometricContext& context, const MarkerEstimate& marker, int cells, double fit_sigma,
-                        double doubt, std::vector<PoseHypothesis>& hypotheses) {
+bool compareWithCorners(const PhotometricContext& context, const MarkerEstimate& marker, int cells, double doubt,
+                        std::vector<PoseHypothesis>& hypotheses) {
   Correspondences seen;
   for (std::size_t i = 0; i < 4; ++i) {
     if (!seen.add(markerCorners(marker.size)[i], marker.image.corners[i], 1.0, context.camera)) return false;
   }
-  const double allowed = std::max(context.pose.model_sigma, marker.image.shadow ? kShadowSigma : 0.0);
-  const double sigma = std::hypot(allowed, fit_sigma);
-  addModelError(context.camera, seen, sigma, hypotheses);
+  if (marker.image.shadow) addModelError(context.camera, seen, kShadowSigma, hypotheses);
   // Residuals that are not noise are alike from pixel to pixel: they prove as much less as they are larger.
   for (auto& h : hypotheses) h.chi_squared /= doubt;
   for (auto& h : hypotheses) h.error = reprojectionError(context.camera, seen, h.pose);
@@ -112,20 +111,18 @@ std::vector<PoseHypothesis> fittedCarefully(const PhotometricContext& context, c
 
 }  // namespace
 
-RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& prior, const MarkerEstimate& marker,
-                           bool tracked) {
+RefinedMarker refineMarker(const PhotometricContext& context, const MarkerEstimate& marker, bool tracked) {
   MarkerFits fits(context, marker, tracked);
   auto [hypotheses, whole] = fitted(context, marker, tracked, fits);
-  if (tracked && (hypotheses.empty() || fits.misfit() > kMisfit)) return {MarkerOutcome::doubtful, marker, true};
+  if (tracked && (hypotheses.empty() || fits.misfit() > kMisfit)) return {MarkerOutcome::doubtful, marker, true, {}};
   if (hypotheses.empty()) hypotheses = fittedCarefully(context, marker, fits);
-  RefinedMarker refined{MarkerOutcome::corners_kept, marker, fits.modelSigma() > 0.0};
+  RefinedMarker refined{MarkerOutcome::corners_kept, marker, fits.modelSigma() > 0.0, fits.shifts()};
   // Of fits that failed, residuals say little, but corners are not as far off as any part of a cell.
   const double coarse = context.pose.corner_sigma_coarse;
   const double shown = std::min(fits.modelSigma(), kCoarseCorners * marker.image.side() / fits.cells());
   refined.marker.model_sigma = fits.modelSigma();
   if (hypotheses.empty()) refined.marker.model_sigma = shown > 0.0 ? std::max(coarse, shown) : kUnknown * coarse;
-  if (hypotheses.empty() ||
-      !compareWithCorners(context, marker, fits.cells(), fits.modelSigma(), fits.doubt(), hypotheses) ||
+  if (hypotheses.empty() || !compareWithCorners(context, marker, fits.cells(), fits.doubt(), hypotheses) ||
       hypotheses.empty())
     return refined;
   if (fits.misfit() > kMisfit && outlineDecides(marker.image, whole ? fits.residual() : 0.0)) {
@@ -133,14 +130,28 @@ RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& p
     return refined;
   }
   refined.marker.model_holds = !(fits.misfit() > kMisfit);
-  weighByPrior(hypotheses, prior, context.pose.tilt_sigma);
   refined.outcome = MarkerOutcome::refined;
   refined.marker.stage = PoseStage::photometric;
   refined.marker.hypotheses = hypotheses;
   refined.marker.image.psf_sd = fits.psfSd();
-  placeCorners(context.camera, hypotheses.front(), context.pose.corner_sigma, refined.marker);
-  refined.marker.ambiguity = ambiguity(hypotheses, 1.0);
   return refined;
+}
+
+void settleMarker(const PhotometricContext& context, const PosePrior& prior, double shift_sigma,
+                  MarkerEstimate& marker) {
+  auto& hypotheses = marker.hypotheses;
+  marker.shift_sigma = shift_sigma;
+  ShiftedPlaces places;
+  places.add(marker.size, Eigen::Isometry3d::Identity(), shift_sigma);
+  for (auto& h : hypotheses) {
+    if (const auto covariance = shiftCovariance(context.camera, places, h.pose)) h.covariance += *covariance;
+  }
+  const auto unknown = [](const PoseHypothesis& h) { return !meaningful(h); };
+  hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), unknown), hypotheses.end());
+  if (hypotheses.empty()) return;
+  weighByPrior(hypotheses, prior, context.pose.tilt_sigma);
+  placeCorners(context.camera, hypotheses.front(), context.pose.corner_sigma, marker);
+  marker.ambiguity = ambiguity(hypotheses, 1.0);
 }
 
 }  // namespace seater_perception

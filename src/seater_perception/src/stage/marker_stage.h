@@ -30,14 +30,19 @@ struct RefinedMarker {
   MarkerOutcome outcome = MarkerOutcome::corners_kept;
   MarkerEstimate marker;  ///< poses are changed only when the outcome is `refined`, model_sigma is set always
   bool deviates = false;  ///< what the fit has left over is more than noise
+  ShiftEvidence shifts;   ///< what it has left over of shifts of parts of the print
 };
 
-/// Poses of a detected marker. Fits begin at all its hypotheses which the corners cannot tell apart; what remains is
-/// weighed by the photometric residual and the prior. Where the image is not as the model has it, the whole print is
-/// fitted, all residuals counted, and `model_holds` is false. Covariances are the fit's own, and what camera and
-/// print deviate from its model. `tracked`: the marker is an expectedMarker, whose poses, point spread function and
-/// brightness are near.
-RefinedMarker refineMarker(const PhotometricContext& context, const PosePrior& prior, const MarkerEstimate& marker,
-                           bool tracked);
+/// Poses of a detected marker. Fits begin at all its hypotheses which the corners cannot tell apart. Where the image is
+/// not as the model has it, the whole print is fitted, all residuals counted, and `model_holds` is false. Covariances
+/// are the fit's own; weights are not set. `tracked`: the marker is an expectedMarker, whose poses, point spread
+/// function and brightness are near.
+RefinedMarker refineMarker(const PhotometricContext& context, const MarkerEstimate& marker, bool tracked);
+
+/// A refined marker's covariances with those of the image's shifts (standard deviation `shift_sigma` [px]), the poses
+/// weighed by photometric residual and prior, and the corners of the best one. No pose is left where none says
+/// anything.
+void settleMarker(const PhotometricContext& context, const PosePrior& prior, double shift_sigma,
+                  MarkerEstimate& marker);
 
 }  // namespace seater_perception

@@ -147,7 +147,7 @@ bool MarkerView::make(const Eigen::Isometry3d& pose, double per_metre, double ha
 
 void accumulateBatch(const PixelBatch& batch, int count, const MarkerView& view, int psf, int brightness_unknowns,
                      const Brightness& brightness, const Weighing& weighing, double sum[kColumns][kColumns],
-                     float* residual, float* valid) {
+                     float* residual, float* valid, float* rows_out) {
   const Light light = lightOf(brightness, weighing);
   const int shared = 6 + psf;
   Chunk chunk;
@@ -159,6 +159,9 @@ void accumulateBatch(const PixelBatch& batch, int count, const MarkerView& view,
     if (lightUp(batch, first, n, light, chunk, rows)) clip(batch, first, n, weighing, rows, valid + first);
     fillRows(batch, first, n, light, shared, brightness_unknowns, chunk, valid + first, residual + first, rows);
     addColumnProducts(rows.J[0], kChunk, n, shared + brightness_unknowns + 1, sum[0], kColumns);
+    if (!rows_out) continue;
+    for (int k = 0; k <= shared + brightness_unknowns; ++k)
+      std::copy(rows.J[k], rows.J[k] + std::min(n, count - first), rows_out + k * count + first);
   }
 }
 

@@ -39,10 +39,11 @@ struct Weighing {
 /// and the upper triangle of [J r]^T W [J r], added to `sum`. Columns: motion of the marker (translation [cells] and
 /// rotation [rad] along its own axes: t' = t + R d, R' = R exp([w]x)), PSF (0: none, 1: variance of a round one, 3:
 /// variances uu, uv, vv [px^2]), brightness (2: offset, gain; 4: and slopes; 5: and rim), residual. How
-/// the rim changes with motion and PSF is left out: where a sheet ends is not to tell the pose.
+/// the rim changes with motion and PSF is left out: where a sheet ends is not to tell the pose. `rows`, where given:
+/// the columns of W^(1/2) [J r], of `count` floats each.
 void accumulateBatch(const PixelBatch& batch, int count, const MarkerView& view, int psf, int brightness_unknowns,
                      const Brightness& brightness, const Weighing& weighing, double sum[kColumns][kColumns],
-                     float* residual, float* valid);
+                     float* residual, float* valid, float* rows = nullptr);
 
 /// White (0 to 1) of the first `count` pixels.
 void whiteOfBatch(const PixelBatch& batch, int count, const MarkerView& view, float* white);

@@ -62,7 +62,6 @@ class PatternTemplate {
   /// Where a motion takes a point of the print.
   static Eigen::Vector2d moved(const Eigen::Matrix<double, 8, 1>& motion, const Eigen::Vector2d& point);
 
-  Eigen::VectorXf values() const { return columns_.col(kGain); }
   /// Grey levels that a fit gives at the points of the grid.
   Eigen::VectorXf grey(const Fit& fit) const;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "numerics/column_products.h"
+#include "numerics/normal.h"
 #include "numerics/solve.h"
 
 namespace seater_perception {
@@ -18,19 +19,21 @@ std::map<int, MarkerPattern> patternsOf(const MarkerFamily& family, const std::s
   return patterns;
 }
 
-/// What the quadrilateral shows, as the print would stand upright in it; `along` points a side.
-Eigen::VectorXf turned(const Eigen::VectorXf& samples, int along, int turn) {
-  Eigen::VectorXf upright(samples.size());
-  const int last = along - 1;
-  for (int row = 0, i = 0; row < along; ++row) {
-    for (int column = 0; column < along; ++column, ++i) {
-      const int r[] = {row, column, last - row, last - column};
-      const int c[] = {column, last - row, last - column, row};
-      upright[r[turn] * along + c[turn]] = samples[i];
+/// What the cells of a quadrilateral show (row by row), as those of the print would stand upright in it.
+Eigen::VectorXf turned(const Eigen::MatrixXf& cells, int turn) {
+  Eigen::VectorXf upright(cells.size());
+  const Eigen::Index side = cells.rows(), last = side - 1;
+  for (Eigen::Index row = 0; row < side; ++row) {
+    for (Eigen::Index column = 0; column < side; ++column) {
+      const Eigen::Index r[] = {row, column, last - row, last - column};
+      const Eigen::Index c[] = {column, last - row, last - column, row};
+      upright[r[turn] * side + c[turn]] = cells(row, column);
     }
   }
   return upright;
 }
+
+using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 }  // namespace
 
@@ -40,6 +43,16 @@ TemplateBook::TemplateBook(const MarkerFamily& family, const std::set<int>& ids)
     for (int column = 0; column < grid_.along(); ++column, ++i) light_.row(i) << 1.0f, grid_.x(column), grid_.y(row);
   }
   light_.colwise().normalize();  // the grid is symmetric: they are orthogonal
+  const int n = grid_.cells();
+  ink_.resize(n * n, static_cast<Eigen::Index>(patterns_.size()));
+  for (const auto& [id, pattern] : patterns_) {
+    const auto k = static_cast<Eigen::Index>(ids_.size());
+    for (int row = 0; row < n; ++row) {
+      for (int column = 0; column < n; ++column)
+        ink_(row * n + column, k) = static_cast<float>(pattern.at(column, n - 1 - row) - 1.0);
+    }
+    ids_.push_back(id);
+  }
 }
 
 const PatternTemplate& TemplateBook::of(int id, int level) const {
@@ -50,15 +63,30 @@ const PatternTemplate& TemplateBook::of(int id, int level) const {
   return *place;
 }
 
-const Eigen::MatrixXf& TemplateBook::codes(int level) const {
-  Eigen::MatrixXf& codes = codes_[static_cast<std::size_t>(level)];
-  if (codes.cols() > 0) return codes;
-  codes.resize(grid_.size(), static_cast<Eigen::Index>(patterns_.size()));
-  Eigen::Index k = 0;
-  for (const auto& [id, pattern] : patterns_) codes.col(k++) = of(id, level).values();
-  codes -= light_ * (light_.transpose() * codes).eval();
-  codes.colwise().normalize();
-  return codes;
+/// A round point spread function blurs rows and columns by themselves: what a point sees is 1 (white) plus each cell's
+/// ink times its share of row and column.
+const TemplateBook::Blurred& TemplateBook::blurred(int level) const {
+  const auto number = static_cast<std::size_t>(level);
+  Blurred& blurred = blurred_[number];
+  if (blurred.unlength.size() > 0) return blurred;
+  const int n = grid_.cells();
+  blurred.shares.resize(grid_.along(), n);
+  for (int point = 0; point < grid_.along(); ++point) {
+    const double at = 0.5 * n * (1.0 + grid_.x(point)), sd = kTemplateSd[number];
+    for (int cell = 0; cell < n; ++cell) {
+      const double share = normalDistribution((cell + 1 - at) / sd) - normalDistribution((cell - at) / sd);
+      blurred.shares(point, cell) = static_cast<float>(share);
+    }
+  }
+  blurred.unlength.resize(ink_.cols());
+  RowMajor grey(grid_.along(), grid_.along());
+  for (Eigen::Index k = 0; k < ink_.cols(); ++k) {
+    const Eigen::Map<const RowMajor> ink(ink_.col(k).data(), n, n);
+    grey.noalias() = (blurred.shares * ink).eval() * blurred.shares.transpose();
+    const Eigen::Map<const Eigen::VectorXf> points(grey.data(), grey.size());
+    blurred.unlength[k] = 1.0f / (points - light_ * (light_.transpose() * points).eval()).norm();
+  }
+  return blurred;
 }
 
 std::vector<TemplateBook::Candidate> TemplateBook::compare(const ImageLevels::Samples& samples, int level,
@@ -68,30 +96,32 @@ std::vector<TemplateBook::Candidate> TemplateBook::compare(const ImageLevels::Sa
   // The light that fits best to what was seen.
   const Eigen::Matrix<float, Eigen::Dynamic, 3> seen = samples.weights.asDiagonal() * light_;
   const Eigen::Matrix3f normal = light_.transpose() * seen;
-  const Eigen::Vector3f light = solved(normal, light_.transpose() * samples.grey);
-  const Eigen::VectorXf rest = samples.grey - seen * light;
+  Eigen::VectorXf rest = samples.grey;
+  // Twice: what rounding leaves of it the first time would count, because codes have light in them too.
+  for (int pass = 0; pass < 2; ++pass) rest -= seen * solved(normal, light_.transpose() * rest);
   const float length = rest.norm();
   if (!(length > 0.0f) || !std::isfinite(length)) return best;
-  const Eigen::MatrixXf& known = codes(level);
-  const Eigen::Index ids = known.cols();
-  // The light's slopes turn with the samples, so these are turned and not the codes: the table of a big dictionary is a
-  // quarter, and stays in the processor's cache.
+  const Blurred& known = blurred(level);
+  const Eigen::Index ids = ink_.cols();
+  // The product of samples and a code is that of the code's ink and what the samples show of each cell: white, as any
+  // light, is in none of what is left. The light's slopes turn with the samples, so these are turned and not the codes.
+  const Eigen::Map<const RowMajor> points(rest.data(), grid_.along(), grid_.along());
+  const Eigen::MatrixXf cells = known.shares.transpose() * (points * known.shares).eval();
   Eigen::VectorXf all(4 * ids);
   for (int turn = 0; turn < 4; ++turn) {
-    const Eigen::VectorXf upright = turned(rest, grid_.along(), turn);
-    columnDots(known.data(), static_cast<int>(known.rows()), static_cast<int>(ids), upright.data(),
+    const Eigen::VectorXf upright = turned(cells, turn);
+    columnDots(ink_.data(), static_cast<int>(ink_.rows()), static_cast<int>(ids), upright.data(),
                all.data() + turn * ids);
+    all.segment(turn * ids, ids).array() *= known.unlength.array() / length;
   }
-  all /= length;
   std::vector<int> order(static_cast<std::size_t>(all.size()));
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
   count = std::min(count, order.size());
   std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
                     [&](int a, int b) { return all[a] > all[b]; });
   for (std::size_t i = 0; i < count; ++i) {
-    auto entry = patterns_.begin();
-    std::advance(entry, order[i] % ids);
-    best.push_back({entry->first, static_cast<int>(order[i] / ids), all[order[i]]});
+    const auto k = static_cast<std::size_t>(order[i] % ids);
+    best.push_back({ids_[k], static_cast<int>(order[i] / ids), all[order[i]]});
   }
   return best;
 }

@@ -37,13 +37,20 @@ class TemplateBook {
   std::vector<Candidate> compare(const ImageLevels::Samples& samples, int level, std::size_t count) const;
 
  private:
-  const Eigen::MatrixXf& codes(int level) const;
+  /// What a level's point spread function makes of the codes.
+  struct Blurred {
+    Eigen::MatrixXf shares;    ///< of each cell (column) in the grid's points (row) along one axis
+    Eigen::VectorXf unlength;  ///< one over each code's length, slopes of the light taken off
+  };
+  const Blurred& blurred(int level) const;
 
   std::map<int, MarkerPattern> patterns_;
+  std::vector<int> ids_;  // of the patterns
   PatternGrid grid_;
+  Eigen::MatrixXf ink_;  // a column for each id: -1 where a cell is black, else 0; row by row from the top
   mutable std::map<std::pair<int, int>, std::unique_ptr<PatternTemplate>> templates_;
-  mutable std::array<Eigen::MatrixXf, kTemplateSd.size()> codes_;  // a column for each id, unit length
-  Eigen::Matrix<float, Eigen::Dynamic, 3> light_;                  // orthonormal: offset and slopes
+  mutable std::array<Blurred, kTemplateSd.size()> blurred_;
+  Eigen::Matrix<float, Eigen::Dynamic, 3> light_;  // orthonormal: offset and slopes
 };
 
 }  // namespace seater_perception
