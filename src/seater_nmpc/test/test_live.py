@@ -11,6 +11,7 @@ from conftest import CAMERA, World
 from seater_common.geometry import Chair, Dock, Limits
 from seater_common.params import ParameterError
 from seater_nmpc.control.controller import DockingController
+from seater_nmpc.drive.axis import configured
 from seater_nmpc.live.offered import SPEEDS, TOLERANCES, changed, check_speeds, offered, refusal
 from seater_nmpc.live.tuning import prepare
 from seater_nmpc.parameters import NmpcParameters, SequenceParameters, Weights
@@ -80,11 +81,11 @@ def test_a_speed_that_falls_on_the_way_slows_down_without_a_step_and_docks(make_
 
     world.run(20.0, fast)
     before = len(world.commands)
-    quick_controller.set_cap(v=cap, omega=0.3)
+    quick_controller.pace.cap(v=cap, omega=0.3)
     try:
         result = world.run(80.0).result
     finally:
-        quick_controller.set_cap()
+        quick_controller.pace.cap()
     assert result is not None and result.code is ResultCode.SUCCESS, result
     limits, driven = Chair().limits, speeds(world)
     assert driven[before - 1, 0] > 0.45
@@ -185,6 +186,7 @@ def test_a_refused_change_leaves_all_as_it_was_and_says_why(quick_controller, mo
     try:
         answered = live._on_change(VALUES | {"v_max": 0.3}, 0)
         assert (answered["v_max"], answered["answer"]) == (0.3, "")
-        assert quick_controller._cap == (0.3, Limits().omega_max)
+        as_told = configured(quick_controller.parameters.prediction)
+        assert quick_controller.pace.limits(as_told) == (0.3, Limits().omega_max)
     finally:
-        quick_controller.set_cap()
+        quick_controller.pace.cap()

@@ -70,6 +70,6 @@ def test_one_late_cycle_and_noisy_stamps_change_nothing(controller) -> None:
 def test_slow_cycles_drive_slower_and_say_why(controller) -> None:
     _, commands = drive(controller, (-3.5, 0.0, 0.0), [0.2] * 25)
     assert max(command.v for command in commands[10:]) == pytest.approx(0.3, abs=0.02)
-    assert controller.slowed_down == "odometry comes only every 0.20 s"
+    assert controller.pace.why == "odometry comes only every 0.20 s"
     _, commands = drive(controller, (-3.5, 0.0, 0.0), [0.05] * 60)
-    assert max(command.v for command in commands) > 0.5 and controller.slowed_down == ""
+    assert max(command.v for command in commands) > 0.5 and controller.pace.why == ""

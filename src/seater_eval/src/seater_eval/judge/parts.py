@@ -67,7 +67,7 @@ class Kept:
             self._controllers[control] = made
         controller = self._controllers[control]
         controller.forget_chair()
-        controller.set_speed_limit()
+        controller.pace.limit()
         controller.set_obstacles([])
         return controller
 

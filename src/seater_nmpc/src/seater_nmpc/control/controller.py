@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -18,6 +17,7 @@ from seater_nmpc.control.actuation import Actuation
 from seater_nmpc.control.braking import BrakingCheck, braked, curvature_at
 from seater_nmpc.control.command import Command, Counters, Status
 from seater_nmpc.control.limits import clamp, in_bay, within_reach
+from seater_nmpc.control.pace import LONGEST_PERIOD, Pace
 from seater_nmpc.control.replanner import Replanner, composed
 from seater_nmpc.observe.prediction import CommandHistory, coasting_pose
 from seater_nmpc.ocp.areas import dock_areas
@@ -28,11 +28,7 @@ Array = NDArray[np.float64]
 Target = str | Sequence[float] | Array
 
 _FARTHEST = 1000.0  # [m] distance of the target at which no solver is asked: from 1e300 m fatrop does not come back
-_LONGEST_PERIOD = 0.5  # [s] between two cycles; longer is a pause
-_WAY_PER_CYCLE, _TURN_PER_CYCLE = 0.06, 0.08  # [m, rad] most that is driven from one cycle to the next
 _JUMP = (0.1, 0.2)  # [m/s, rad/s] by which speeds from poses may differ from the measured ones
-_CYCLES = 3  # in a row that are longer than configured before the controller reckons with it
-_NOISE_OF_STAMPS = 1.1  # times the configured period: not longer
 _TOO_NEAR = "an obstacle is within the stopping distance"
 
 
@@ -79,20 +75,18 @@ class DockingController:
         prediction = self.parameters.prediction
         period = self.parameters.control_period
         self._actuation = Actuation(chair, self.history, adapt=prediction.adapt)
-        self._period, self._last_stamp = period, -math.inf  # [s] measured between cycles; at least the control period
-        self._elapsed: deque[float] = deque([0.0], maxlen=_CYCLES)
+        self.pace = Pace(chair.limits, period)
         self._braking = BrakingCheck(chair, self.parameters.stop_margin, period, prediction.motor_lag)
         self.counters = Counters()
         self._clock = 0.0
         self._acts_at = np.zeros(3)  # base_link in the dock's frame where the next command begins to act
         self._obstacles: list[Array] = []
-        self.set_speed_limit()
-        self.set_cap()
         self.reset()
 
     def reset(self) -> None:
         """Forget the plan, as at a goal's beginning: the next begins with the measured speeds, whatever was sent."""
-        self._begins, self._last_stamp = True, -math.inf
+        self._begins = True
+        self.pace.restart()
         self._last_pose: tuple[float, Array] | None = None
         self._replanner.reset()
         self.counters.consecutive_failures = 0
@@ -108,43 +102,16 @@ class DockingController:
         """Forget the commands but keep the plan: the next plan begins with the measured speeds."""
         self.history.clear()
 
-    def set_speed_limit(self, v: float = math.inf, omega: float = math.inf, why: str = "") -> None:
-        """Limits of |v| [m/s] and |omega| [rad/s] beside the chair's own from now on; without arguments: none."""
-        self._limit, self._why_slow = (max(0.0, v), max(0.0, omega)), why
-
-    def set_cap(self, v: float = math.inf, omega: float = math.inf) -> None:
-        """What a person wants at most, |v| [m/s] and |omega| [rad/s], whatever `set_speed_limit` says."""
-        self._cap = (max(0.0, v), max(0.0, omega))
-
     def plan_like(self, other: DockingController) -> None:
         """Plan with the parameters of `other`, a controller of the same chair at the same dock whose weights alone
         differ. What was learned of the chair stays. Between two goals, as the plan is forgotten."""
         self.parameters, self._replanner = other.parameters, other._replanner
         self.reset()
 
-    def _slow(self) -> tuple[float, float] | None:
-        """The limits that hold now; slow cycles ask for slow driving: what is not seen for long must not matter. A
-        chair whose motors make less of a command than it says cannot be faster than its largest one makes it."""
-        v, omega = (min(limits) for limits in zip(self._limit, self._cap, strict=True))
-        if self._period > self.parameters.control_period:
-            v, omega = min(v, _WAY_PER_CYCLE / self._period), min(omega, _TURN_PER_CYCLE / self._period)
-        limits, drive = self._chair.limits, self.history.drive
-        v, omega = min(v, drive.v.effective(limits.v_max)), min(omega, drive.omega.effective(limits.omega_max))
-        return (v, omega) if v < limits.v_max or omega < limits.omega_max else None
-
-    @property
-    def slowed_down(self) -> str:
-        """Why the chair drives slower than it may; empty when it does not."""
-        if self._slow() is None:
-            return ""
-        if self._period > self.parameters.control_period:
-            return f"odometry comes only every {self._period:.2f} s"
-        return self._why_slow
-
     @property
     def period(self) -> float:
         """Measured time between two cycles [s], at least `control_period`."""
-        return self._period
+        return self.pace.period
 
     @property
     def obstacles(self) -> list[Array]:
@@ -198,7 +165,7 @@ class DockingController:
             self.counters.refused_inputs += 1
             return self._fall_back(self._clock, None, "input not finite")
         self._clock = stamp
-        self._measure_period(stamp)
+        self.pace.cycle(stamp)
         self._measured_now(stamp, np.asarray(vehicle_pose, dtype=float), velocity)
         T_dock_target = self._target(target)
         T_common_target = compose(dock_pose, T_dock_target)
@@ -206,8 +173,10 @@ class DockingController:
         if not (np.all(np.isfinite(state)) and np.max(np.abs(state[:2])) <= _FARTHEST):
             self.counters.refused_inputs += 1
             return self._fall_back(stamp, None, f"target is farther than {_FARTHEST:.0f} m")
-        acceleration = self._commands.acceleration(self._period)
-        solution = self._replanner.solve(state, stamp, T_dock_target, self._obstacles, acceleration, self._slow())
+        acceleration = self._commands.acceleration(self.period)
+        solution = self._replanner.solve(
+            state, stamp, T_dock_target, self._obstacles, acceleration, self.pace.limits(self.history.drive)
+        )
         slow = self._areas is not None and in_bay(self._chair, self._dock.bay, self._acts_at)
         if not self._replanner.usable(solution):
             return self._fall_back(stamp, solution, solution.text, slow)
@@ -226,7 +195,7 @@ class DockingController:
         before = self._speeds_before(v, omega)
         self._acts_at = relative(dock_pose, pose)
         ahead = coasting_pose(pose, v, omega, self.history.drive.lag_v, self.history.drive.lag_omega)
-        late = 0.5 * (self._period - self.parameters.control_period)  # of the middle of a longer period
+        late = 0.5 * (self.period - self.parameters.control_period)  # of the middle of a longer period
         ahead = coasting_pose(ahead, *before, -self._replanner.lead - late)
         return np.concatenate([relative(T_common_target, ahead), before])
 
@@ -243,17 +212,17 @@ class DockingController:
 
         `velocity`: measured at `stamp`, as for `command`.
         """
-        self._measure_period(stamp)
+        self.pace.cycle(stamp)
         if self._begins:
             self._begin()
-        v, omega = self._actuation.send(stamp, (v, omega), velocity, self._period, True, planned=False)
+        v, omega = self._actuation.send(stamp, (v, omega), velocity, self.period, True, planned=False)
         return Command(v=v, omega=omega)
 
     def _measured_now(self, stamp: float, pose: Array, velocity: tuple[float, float]) -> None:
         """Learn from what `command` is given: mean speeds since the last pose, or the measured ones where it jumped."""
         before, self._last_pose = self._last_pose, (stamp, pose)
         mean = velocity
-        if before is not None and 0.0 < stamp - before[0] <= _LONGEST_PERIOD and _near(before[1], pose):
+        if before is not None and 0.0 < stamp - before[0] <= LONGEST_PERIOD and _near(before[1], pose):
             x, y, turn = relative(before[1], pose).tolist()
             driven = (arc_length(x, y, turn) / (stamp - before[0]), turn / (stamp - before[0]))
             if all(abs(d - v) <= most for d, v, most in zip(driven, velocity, _JUMP, strict=True)):
@@ -273,14 +242,6 @@ class DockingController:
         self._actuation.restart()
         self._begins = False
 
-    def _measure_period(self, stamp: float) -> None:
-        """Between two cycles, at least the configured one; longer only when several in a row were."""
-        elapsed, self._last_stamp = stamp - self._last_stamp, stamp
-        self._elapsed.append(elapsed if 0.0 < elapsed <= _LONGEST_PERIOD else 0.0)
-        usual = min(self._elapsed)
-        configured = self.parameters.control_period
-        self._period = usual if usual > _NOISE_OF_STAMPS * configured else configured
-
     def _target(self, target: Target) -> Array:
         if isinstance(target, str):
             named = {"dock": [0.0, 0.0, 0.0], "predock": [self._dock.predock_x, 0.0, 0.0]}
@@ -292,7 +253,7 @@ class DockingController:
     def _speeds_before(self, v: float, omega: float) -> tuple[float, float]:
         """Speeds to begin with: the last command, unless the chair, measured at (v, omega), does not follow it."""
         prediction = self.parameters.prediction
-        window = prediction.motor_lag + prediction.command_delay + 2.0 * self._period
+        window = prediction.motor_lag + prediction.command_delay + 2.0 * self.period
         return within_reach(self._chair, self._commands.last_wanted, (v, omega), window)
 
     def _follow(
@@ -300,13 +261,13 @@ class DockingController:
     ) -> Command:
         plan = self._replanner.plan
         assert plan is not None  # a usable solution leaves one
-        v, omega = plan.speeds_at(0.0 if plan.speeds_held else self._period)
-        wanted = clamp(self._chair, v, omega, before, self._period, slow)
+        v, omega = plan.speeds_at(0.0 if plan.speeds_held else self.period)
+        wanted = clamp(self._chair, v, omega, before, self.period, slow)
         self.counters.consecutive_failures = 0
         if not self._stops_clear(*wanted):
             self.counters.obstacle_stops += 1
             return self._brake(stamp, solution, _TOO_NEAR, slow)
-        v, omega = self._actuation.send(stamp, wanted, before, self._period, slow)
+        v, omega = self._actuation.send(stamp, wanted, before, self.period, slow)
         status = Status.SOLVED
         if solution.status is SolveStatus.LIMIT:
             self.counters.time_limits += 1
@@ -328,7 +289,7 @@ class DockingController:
     def _fall_back(self, stamp: float, solution: Solution | None, text: str, slow: bool = False) -> Command:
         """The last plan followed further, else braking."""
         self.counters.consecutive_failures += 1
-        plan, age, period = self._replanner.plan, stamp - self._replanner.stamp, self._period
+        plan, age, period = self._replanner.plan, stamp - self._replanner.stamp, self.period
         if solution is not None and plan is not None and age <= self.parameters.fallback.max_plan_age + 1e-9:
             v, omega = plan.speeds_at(age + period)
             v, omega = clamp(self._chair, v, omega, self._commands.last_wanted or (0.0, 0.0), period, slow)
@@ -341,7 +302,7 @@ class DockingController:
 
     def _brake(self, stamp: float, solution: Solution | None, text: str, slow: bool) -> Command:
         """Slower along the last plan's path, or with the curvature kept, which ends in standing."""
-        before, period = self._commands.last or (0.0, 0.0), self._period
+        before, period = self._commands.last or (0.0, 0.0), self.period
         path = self._replanner.path
         curvature = None if path is None else curvature_at(path, self._acts_at)
         v, omega = braked(before, self._chair.limits.a_max * period, curvature)
@@ -367,7 +328,7 @@ class DockingController:
         if not self._obstacles:
             return True
         drive = self.history.drive
-        self._braking.hold = self._period + max(drive.lag_v, drive.lag_omega, self.parameters.prediction.motor_lag)
+        self._braking.hold = self.period + max(drive.lag_v, drive.lag_omega, self.parameters.prediction.motor_lag)
         return self._braking.passes(self._acts_at, v, omega, self._obstacles, self._replanner.path)
 
 

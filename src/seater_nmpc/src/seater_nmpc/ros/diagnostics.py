@@ -46,7 +46,7 @@ class Diagnostics:
             self._solve_times.append(command.solve_time)
 
     def _write(self, status: diagnostic_updater.DiagnosticStatusWrapper) -> diagnostic_updater.DiagnosticStatusWrapper:
-        slowed_down = self._controller.slowed_down
+        slowed_down = self._controller.pace.why
         if slowed_down:
             status.summary(DiagnosticStatus.WARN, f"drives slowly: {slowed_down}")
         elif self._consecutive:

@@ -192,7 +192,7 @@ class _Run:
 def _docking(parts: Parts) -> tuple[DockObserver, DockingSequence]:
     controller = parts.controller
     controller.forget_chair()
-    controller.set_speed_limit()
+    controller.pace.limit()
     controller.set_obstacles([])
     observer = DockObserver(parts.chair.camera, parts.parameters.observer)
     sequence = DockingSequence(

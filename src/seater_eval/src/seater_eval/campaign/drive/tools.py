@@ -30,7 +30,7 @@ def controller(chair: Chair, dock: Dock, parameters: NmpcParameters) -> DockingC
 
     kept = _keep("controller", (chair, dock, parameters.control), make)
     kept.forget_chair()
-    kept.set_speed_limit()
+    kept.pace.limit()
     return kept
 
 

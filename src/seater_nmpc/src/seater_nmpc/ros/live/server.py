@@ -44,7 +44,7 @@ class LiveParameters:
             ParameterError: they do not fit to its dock.
         """
         prepare(core, self._values).make()
-        core.controller.set_cap(*(self._values[name] for name in SPEEDS))
+        core.controller.pace.cap(*(self._values[name] for name in SPEEDS))
 
     def _on_change(self, config: Any, _: int) -> Any:
         """Called with what is asked for; returns what holds."""
@@ -78,7 +78,7 @@ class LiveParameters:
         if text:
             return text
         for core in self._cores():
-            core.controller.set_cap(*(after[name] for name in SPEEDS))
+            core.controller.pace.cap(*(after[name] for name in SPEEDS))
         for one in prepared:
             one.make()
             for warning in one.warnings:

@@ -48,7 +48,7 @@ class Caution:
             v = p.max_blind_distance / max(IMAGES_THAT_MAY_FAIL * period, 1e-3)
         if backs_out and p.back_out_speed <= v:
             v, why = p.back_out_speed, ""  # as it should be: nothing to warn of
-        self._context.controller.set_speed_limit(v=v, why=why)
+        self._context.controller.pace.limit(v=v, why=why)
 
     def _wait_to_be_sure(self, chair: Instant) -> Command | None:
         """Stand while it is not known what is in the way; not for ever."""

@@ -53,7 +53,7 @@ class Phases:
         """A goal begins at message time `now` [s] with this phase; it may take `timeout` [s]."""
         self._context.goal.begin(now, phase, timeout)
         self._context.controller.history.clear()  # whoever drove until now did not say
-        self._context.controller.set_speed_limit()
+        self._context.controller.pace.limit()
         self._finding.begin()
         self._caution.begin()
         self._enter(phase)
