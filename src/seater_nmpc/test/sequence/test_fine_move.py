@@ -141,3 +141,28 @@ def test_a_chair_that_nothing_moves_is_not_pushed_for_long() -> None:
         before = FineMove(np.array([-0.02, 0.0, 0.0]), False, chair(AxisDrive()), LIMITS, PERIOD, before)
         done, asked = carry_out(before, AxisDrive(), resistance=1.0)
         assert done == 0.0 and max(asked, default=0.0) <= 0.08 and len(asked) * PERIOD <= 0.6 + 1e-9
+
+
+@pytest.mark.parametrize(("begin", "rolls"), [(0.03, 0.015), (0.03, 0.02), (-0.02, -0.012)])
+def test_a_chair_that_rolls_on_after_each_push_gets_there(begin: float, rolls: float) -> None:
+    """On a slope, until its brakes hold; the last stop has shown it. Towards the dock no push is faster for that."""
+    x, before, deadband = begin, None, AxisDrive(1.0, 0.02, True)
+    for _ in range(4):
+        before = FineMove(np.array([x, 0.0, 0.0]), False, chair(deadband), LIMITS, PERIOD, before, rolls=rolls)
+        done, asked = carry_out(before, deadband, resistance=0.004)
+        assert max(map(abs, asked)) <= (0.15 if begin > 0.0 else 0.08) + 1e-9
+        x += done + rolls
+        if abs(x) < 0.008:
+            break
+    assert abs(x) < 0.008
+
+
+def test_a_chair_that_does_not_roll_though_its_last_stop_ended_too_far_is_not_pushed_far_beyond() -> None:
+    x, before = 0.02, None
+    for _ in range(3):
+        before = FineMove(np.array([x, 0.0, 0.0]), False, chair(AxisDrive()), LIMITS, PERIOD, before, rolls=0.02)
+        x += carry_out(before, AxisDrive())[0]
+        assert x > -0.02
+        if abs(x) < 0.004:
+            break
+    assert abs(x) < 0.004

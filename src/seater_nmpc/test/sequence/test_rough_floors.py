@@ -117,3 +117,28 @@ def test_a_chair_that_castors_push_away_again_and_again_is_stopped(make_world) -
     step = world.run(30.0, until=lambda step: step.phase is Phase.STOPPING)
     assert step.phase is Phase.STOPPING and 3.0 < world.now - near[0] < 6.0
     assert world.run(30.0).result.success
+
+
+class RollsOn:
+    """On a slope: whenever it is asked to stand, it goes on by itself until its brakes hold, 1.2 s later."""
+
+    def __init__(self, speed: float) -> None:
+        self.speed, self.asked = speed, -math.inf
+
+    def moves(self, world, v, omega):
+        if (v, omega) != (0.0, 0.0):
+            self.asked = world.now
+        return (v or self.speed, omega) if world.now - self.asked < 1.2 else (0.0, 0.0)
+
+
+@pytest.mark.parametrize("speed", [0.03, 0.045])
+def test_a_chair_that_rolls_on_after_each_stop_is_stopped_earlier_the_next_time(make_world, speed: float) -> None:
+    """By 36 and 54 mm towards the dock; the second is more than small moves can mend."""
+    world = make_world((-1.3, 0.0, 0.0))
+    world.moves = RollsOn(speed).moves
+    world.tick()
+    world.sequence.start_dock(world.now)
+    step = world.run(60.0)
+    assert step.result is not None and step.result.success, step.result
+    assert abs(world.truth[0]) < 0.01 and step.result.retries <= 1
+    assert max(pose[0] for pose in world.track) < 1.2 * speed + 0.01

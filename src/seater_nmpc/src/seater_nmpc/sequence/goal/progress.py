@@ -33,6 +33,8 @@ class Progress:
         self.T_odom_dock: Array | None = None
         self.failure: GoalEnd | None = None  # what the goal will end with, when the chair has backed out
         self.no_way = ""  # why there is no way into the bay
+        self.expected_rest: float | None = None  # [m] ahead of the dock, where a stop was to end
+        self.rolls = 0.0  # [m] that the chair went on, by itself, after its last stop at the dock: on a slope
 
     def enter(self, phase: Phase) -> None:
         """A phase begins."""

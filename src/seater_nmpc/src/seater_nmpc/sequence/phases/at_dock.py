@@ -20,6 +20,7 @@ from seater_nmpc.sequence.rest.verification import Verdict, Verification, within
 Array = NDArray[np.float64]
 
 _UNSEEN_IMAGES = 6  # times between two images
+_ROLLS = 0.008  # [m] beyond where a stop was to end, from which on it is no error of the stop
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
 _OPENED = 0.5  # [s] without contact: no mere bounce of it
 _VERDICTS = {
@@ -54,6 +55,7 @@ class AtDock:
             late = chair.stamp - c.standstill.since > max(_UNSEEN, _UNSEEN_IMAGES * c.observer.images.period)
             return Phase.VERIFY if late else STANDING
         c.goal.error = inverse(standing_dock(fresh))
+        self._learn_roll(float(c.goal.error[0]))
         return self._decide(c.goal.error)
 
     def correct(self, chair: Instant) -> Asked:
@@ -100,6 +102,14 @@ class AtDock:
             raise GoalEnd(ResultCode.SUCCESS, Verdict.DOCKED.value)
         return replace(STANDING, text="docked, watches the contact")
 
+    def _learn_roll(self, x: float) -> None:
+        """From where the chair stands, `x` [m] in the dock's frame, after a stop that was to end elsewhere."""
+        goal = self._context.goal
+        if goal.expected_rest is not None:
+            rolled = x - goal.expected_rest
+            goal.rolls = rolled if abs(rolled) > _ROLLS else 0.0
+        goal.expected_rest = None
+
     def _decide(self, error: Array) -> Phase:
         c, verdict = self._context, self._choose(error)
         last = c.goal.retries >= c.parameters.max_retries
@@ -118,7 +128,7 @@ class AtDock:
             if verdict not in (Correction.TURN, Correction.MOVE):
                 return verdict
             turning, drive = verdict is Correction.TURN, c.controller.history.drive
-            move = FineMove(error, turning, drive, c.chair.limits, c.controller.period, before)
+            move = FineMove(error, turning, drive, c.chair.limits, c.controller.period, before, rolls=c.goal.rolls)
             if move.is_worthwhile:
                 self._fine_move = move
                 return verdict

@@ -62,16 +62,21 @@ class WayIn:
         c = self._context
         error = c.look(chair)
         rest, speeds = c.rest_error(chair), c.speeds(chair)
+        c.goal.expected_rest = None
         if self._corridor.missed(error) and self._corridor.missed(rest):
             return c.try_again(ResultCode.FAILED_TO_STAGE, "outside the corridor at the bay")
-        if rest[0] >= -self._stopping_margin(speeds) or c.standstill.in_place(chair.stamp, rest):
+        short = max(0.0, c.goal.rolls)  # not beyond the dock, where a wall may be, for a chair that will roll back
+        if rest[0] + short >= -self._stopping_margin(speeds):
+            c.goal.expected_rest = float(rest[0])
+            return Phase.STOPPING
+        if c.standstill.in_place(chair.stamp, rest):
             return Phase.STOPPING
         near, hovers = bool(abs(error[0]) <= _NEAR), c.standstill.stuck(chair.stamp, error)
         if near and hovers:  # to and fro: castors that swing round push it away again each time
             return Phase.STOPPING
         if c.standstill.stalled(chair.stamp, c.measured(chair), near=near):
             return Phase.STOPPING if near else c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands short of the dock")
-        return c.drive(chair, straight_in(error))
+        return c.drive(chair, straight_in(error, short))
 
     @property
     def _straight(self) -> Phase:

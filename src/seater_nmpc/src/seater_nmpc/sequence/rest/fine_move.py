@@ -36,18 +36,22 @@ class FineMove:
         limits: Limits,
         period: float,
         before: FineMove | None = None,
+        *,
+        rolls: float = 0.0,
     ) -> None:
         """`error`: of the standing chair; `period` of the cycles [s]. `before`: the last move of this attempt, from
-        whose result it learns."""
+        whose result it learns. `rolls` [m]: how far it went on by itself after its last stop."""
         self.turning, self._index = turning, 2 if turning else 0
         self._axis, self._rate = (drive.omega, limits.alpha_max) if turning else (drive.v, limits.a_max)
+        self._most = limits.omega_max if turning else limits.v_bay_max  # that is sent at the dock
         lag = drive.lag_omega if turning else drive.lag_v
         self._begin = float(error[self._index])
         self._learned: Learned = {} if before is None else before._learned_after(error)
         key = (turning, self._begin > 0.0)
         if key not in self._learned:
             other = self._learned.get((turning, not key[1]))
-            self._learned[key] = MoveResponse(turning, self._axis, lag, other)
+            way = -math.copysign(1.0, self._begin)  # that it is pushed
+            self._learned[key] = MoveResponse(turning, self._axis, lag, other, rolls=way * rolls)
         self._response = self._learned[key]
         self._period = period
         self._plan = self._best()  # commands of all cycles
@@ -75,7 +79,10 @@ class FineMove:
     def _best(self) -> Array:
         """Commands (k,) of the push that leaves least; none where not moving leaves less."""
         smallest = self._axis.command(_TINY)
-        fastest = max(self._axis.command(_FASTEST[self.turning]), smallest)
+        speed = _FASTEST[self.turning]
+        if self._begin > 0.0:  # away from the dock; what it will roll back has to be driven in the same time, too
+            speed += max(0.0, -self._response.roll) / (0.5 * _LONGEST)
+        fastest = max(min(self._axis.command(speed), self._most), smallest)
         most = max(1, round(_LONGEST / self._period))
         ramp = self._rate * self._period * np.arange(1, most + 1)
         levels, cycles = np.linspace(smallest, fastest, _LEVELS), np.arange(1, most + 1)

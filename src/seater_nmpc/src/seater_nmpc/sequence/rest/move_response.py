@@ -20,9 +20,10 @@ Array = NDArray[np.float64]
 
 _THRESHOLDS = (np.arange(0.0, 0.055, 0.01), np.arange(0.0, 0.13, 0.02))  # [m/s], [rad/s]
 _RESISTANCES = (np.arange(0.0, 0.05, 0.004), np.arange(0.0, 0.21, 0.02))
-_ROLLS = 0.004 * np.arange(-6, 7)  # [m] the way it is pushed
+_ROLLS = 0.004 * np.arange(-10, 11)  # [m] the way it is pushed
 _LEVEL = 0.95  # prior probability that it does not roll
-_TYPICAL_ROLL = 0.006  # mean, where it does
+_TYPICAL_ROLL, _USUAL_ROLL = 0.006, 0.025  # [m] mean, where it does; most, where the last stop has not shown more
+_ROLLED = 0.7  # prior probability that it rolls about as far as after its last stop
 _TYPICAL = (0.006, 0.06)  # mean resistance beyond the known one, where there is any
 _NONE = (0.7, 0.4)  # prior probability of no resistance beyond the known one
 _LESS = 0.5  # of less than the known one
@@ -38,9 +39,12 @@ _FORGOTTEN = 0.3  # of what was learned, when the castors have turned since
 class MoveResponse:
     """Of one axis (`turning` or straight) in one direction."""
 
-    def __init__(self, turning: bool, drive: AxisDrive, lag: float, other: MoveResponse | None = None) -> None:
+    def __init__(
+        self, turning: bool, drive: AxisDrive, lag: float, other: MoveResponse | None = None, *, rolls: float = 0.0
+    ) -> None:
         """Before anything was tried, by what `drive` is known to do. `lag`: of the motors [s]. `other`: the same axis
-        the other way; where the chair rolls, it rolls that way whichever way it is pushed."""
+        the other way; where the chair rolls, it rolls that way whichever way it is pushed. `rolls` [m]: how far it went
+        on, the way that it is pushed, after its last stop."""
         i = int(turning)
         self._thresholds = np.union1d(_THRESHOLDS[i], drive.deadband)
         known = drive.deadband if drive.offset else 0.0
@@ -60,7 +64,12 @@ class MoveResponse:
         if other is not None:
             by_roll = other._weights.sum(axis=(0, 1))[::-1]
         elif not turning:
-            by_roll = _LEVEL * level + (1.0 - _LEVEL) * _decaying(np.abs(self._rolls), ~level, _TYPICAL_ROLL)
+            size = np.abs(self._rolls)
+            usual = _decaying(size, ~level & (size < _USUAL_ROLL), _TYPICAL_ROLL)
+            by_roll = _LEVEL * level + (1.0 - _LEVEL) * usual
+            if rolls != 0.0:
+                like_last = _decaying(np.abs(self._rolls - rolls), ~level, _TYPICAL_ROLL)
+                by_roll = _ROLLED * like_last + (1.0 - _ROLLED) * by_roll
         self._prior = by_threshold[:, None, None] * by_resistance[:, None] * by_roll
         self._weights: Array = self._prior
 
@@ -68,6 +77,11 @@ class MoveResponse:
     def resistance(self) -> float:
         """Mean [m/s or rad/s]."""
         return float(self._weights.sum(axis=(0, 2)) @ self._resistances)
+
+    @property
+    def roll(self) -> float:
+        """Mean [m] that it rolls on, the way that it is pushed."""
+        return float(self._weights.sum(axis=(0, 1)) @ self._rolls)
 
     def ways(self, pushes: Array, period: float) -> Array:
         """How far each hypothesis gets (m, thresholds, resistances) with each of these `pushes` (m, k): commands, all
