@@ -60,6 +60,7 @@ class ResponseEstimator:
         self._prior += _prior(self._drives, expected)
         self._cost, self._drive = self._prior.copy(), 0
         self._gains = Gains(self._prior.shape, _GAIN_NOISE * expected.noise)
+        self._costs = self._cost + self._gains.costs  # changes with each window, asked for with each message
         self.restart()
 
     def restart(self) -> None:
@@ -74,7 +75,7 @@ class ResponseEstimator:
     @property
     def drive(self) -> AxisDrive:
         """The deadband that is believed in, with the gain of the likeliest delay and lag."""
-        costs, gains = self._costs()[:, :, self._drive], self._gains.values[:, :, self._drive]
+        costs, gains = self._costs[:, :, self._drive], self._gains.values[:, :, self._drive]
         drive = self._drives[self._drive]
         return replace(drive, gain=drive.gain * float(gains.flat[np.argmin(costs)]))
 
@@ -82,18 +83,18 @@ class ResponseEstimator:
         """Measured less expected speed in the last window: the smallest of all delays and lags that explain about as
         well what was measured so far. While a command changes, a delay that is not known yet looks like a chair that
         turns by itself."""
-        costs, differences = self._costs()[:, :, self._drive], self._difference[:, :, self._drive]
+        costs, differences = self._costs[:, :, self._drive], self._difference[:, :, self._drive]
         likely = differences[costs <= costs.min() + _MARGIN]
         least, most = float(likely.min()), float(likely.max())
         return max(least, 0.0) + min(most, 0.0)
 
     def delay_costs(self) -> Array:
         """How badly each of `delays` explains what was measured, as a negative log likelihood."""
-        return np.asarray(self._costs().min(axis=(1, 2)))
+        return np.asarray(self._costs.min(axis=(1, 2)))
 
     def lag_costs(self, delay: int) -> Array:
         """The same of each of `lags`, given a delay (an index)."""
-        return np.asarray(self._costs()[delay].min(axis=1))
+        return np.asarray(self._costs[delay].min(axis=1))
 
     def add(
         self, start: float, end: float, commanded: Callable[[float, float], float], measured: float, *, weight: float
@@ -132,11 +133,9 @@ class ResponseEstimator:
             self._cost += self._weight * np.log1p(square)
             self._cost = np.minimum(self._cost - self._cost.min(), _MOST + self._prior)
             self._gains.add(predicted, measured, self._weight, forgetting)
-            self._drive = better(self._costs().min(axis=(0, 1)), self._drive, _MARGIN)
+            self._costs = self._cost + self._gains.costs
+            self._drive = better(self._costs.min(axis=(0, 1)), self._drive, _MARGIN)
         self._begin_window()
-
-    def _costs(self) -> Array:
-        return np.asarray(self._cost + self._gains.costs)
 
 
 def _deadbands(configured: AxisDrive, expected: Expected) -> list[AxisDrive]:

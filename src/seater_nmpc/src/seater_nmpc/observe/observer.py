@@ -80,6 +80,12 @@ class DockObserver:
         self.elsewhere: tuple[float, float] | None = None  # [m, rad] so far off images agree on another place
         self.images.restart()
 
+    def forget(self) -> None:
+        """Forget the odometry and the images, too: time, or the dock, is another one."""
+        self.odometry.clear()
+        self.images.shown.clear()
+        self.reset()
+
     def acquire_moving(self, moving: bool) -> None:
         """Whether the first estimate may be made while the chair moves; else as constructed."""
         self._moving_allowed = moving

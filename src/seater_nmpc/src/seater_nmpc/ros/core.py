@@ -41,12 +41,6 @@ class Core:
         """As it docks: forward."""
         return self.vehicle.chair
 
-    def forget(self) -> None:
-        """The chair's way so far, and the dock: time or the dock in use has changed."""
-        self.observer.odometry.clear()
-        self.observer.images.shown.clear()
-        self.observer.reset()
-
 
 class CoreMaker:
     """Makes cores, one for each dock, that differ in nothing but the dock."""

@@ -181,12 +181,12 @@ class DockingNode:
         self._diagnostics.cycle()
         self._set_obstacles(now)
         self._tell_zone()
-        if self._core.shadow is None:
-            self._in_use.tell_docked(self._out.stamp, self._contact)
         if self._core.shadow is not None:
             command = self._core.shadow.update(now)
             self._report(self._core.vehicle.command(command or Command(v=0.0, omega=0.0)), "SHADOW")
-        elif self._core.sequence.active:
+            return
+        self._in_use.tell_docked(self._out.stamp, self._contact)
+        if self._core.sequence.active:
             self._core.sequence.held, self._core.sequence.held_by = self._gate.holds(now), self._gate.held_by
             step = self._core.sequence.update(now, self._contact)
             self._send(step, ask=step.result is not None or self._behind() <= OUT_OF_DATE)

@@ -28,8 +28,6 @@ class _AtOneDock(Protocol):
     observer: DockObserver
     sequence: DockingSequence
 
-    def forget(self) -> None: ...
-
 
 C = TypeVar("C", bound=_AtOneDock)
 
@@ -61,7 +59,7 @@ class DockInUse(Generic[C]):
         if estimate is not None:
             self._bays.leave(self.core.dock, estimate.pose, estimate.blind_distance)
         self._bays.use(core.dock)
-        core.forget()
+        core.observer.forget()
         self.core = core
         self._follow(core, estimate)
         self._tell(since)
@@ -83,7 +81,7 @@ class DockInUse(Generic[C]):
 
     def forget(self) -> None:
         """Time started anew."""
-        self.core.forget()
+        self.core.observer.forget()
         self.watch.forget()
         self._bays.forget()
 
