@@ -111,3 +111,11 @@ def test_a_command_ends_with_what_comes_next(installation: Installation, capsys:
     conclude(parsed("--installation", installation.folder), {"dock": new})
     assert "dock.yaml is new; the one before is kept as dock.yaml.2" in (out := capsys.readouterr().out)
     assert out.rpartition("\n\n")[2].startswith("Next: ./seater sheets")
+
+
+def test_commands_that_follow_each_other_within_a_second_both_keep_the_old_file(installation: Installation) -> None:
+    """A quick machine goes from `calibrate mount` to `teach` so; the second one was refused."""
+    for text in ("first\n", "second\n"):
+        put(installation, "dock", text)
+    kept = sorted(path.read_text() for path in installation.folder.glob("dock.yaml.*"))
+    assert kept == ["first\n", "role: dock\n"] and installation.file("dock").read_text() == "second\n"

@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import datetime
 import shlex
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -93,9 +94,9 @@ class Installation:
     def take(self, new: Mapping[str, Path]) -> list[str]:
         """Copies of these files, by role, take the places of the old ones, which stay; a line for each. Raises
         OSError."""
-        now, lines = datetime.datetime.now(datetime.UTC), []
+        lines = []
         for role, path in new.items():
-            written, *old = replace_kept(path.read_text(), self.file(role), now)
+            written, *old = _replace(path.read_text(), self.file(role))
             lines.append(f"{written} is new" + (f"; the one before is kept as {old[0].name}" if old else ""))
         if CAMERA in new and self._forget("chair", MOUNT):
             lines.append(f"{self.file('chair')} was calibrated with another lens: calibrate the mount again")
@@ -125,6 +126,15 @@ class Installation:
             not step.mark or any(line.startswith(step.mark) for line in path.read_text().splitlines())
             for path in self.folder.glob(step.file)
         )
+
+
+def _replace(text: str, target: Path) -> list[Path]:
+    """As replace_kept, now. Where a command before has kept a file in this second, which names it, in the next one."""
+    try:
+        return replace_kept(text, target, datetime.datetime.now(datetime.UTC))
+    except FileExistsError:
+        time.sleep(1.0)
+        return replace_kept(text, target, datetime.datetime.now(datetime.UTC))
 
 
 def add_option(parser: argparse.ArgumentParser) -> None:
