@@ -6,7 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from seater_common.messages import matrix_of_pose, matrix_of_transform, names_of
+from seater_common.camera_model import CameraModel
+from seater_common.messages import camera_info_of, matrix_of_pose, matrix_of_transform, names_of
 
 
 def pose(quaternion: tuple[float, float, float, float]) -> SimpleNamespace:
@@ -39,3 +40,11 @@ def test_names_are_those_of_the_constants_alone() -> None:
         state = 3
 
     assert names_of(Message) == {0: "STOPPED", 10: "CHARGING"}
+
+
+def test_the_fields_of_a_camera_info() -> None:
+    camera = CameraModel(64, 48, "plumb_bob", np.arange(5.0), np.arange(9.0).reshape(3, 3), np.eye(3), np.ones((3, 4)))
+    fields = camera_info_of(camera)
+    assert (fields["width"], fields["height"], fields["distortion_model"]) == (64, 48, "plumb_bob")
+    assert fields["D"] == [0.0, 1.0, 2.0, 3.0, 4.0] and fields["K"] == [float(i) for i in range(9)]
+    assert fields["R"] == [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0] and fields["P"] == [1.0] * 12

@@ -1,4 +1,4 @@
-"""Transforms and names out of ROS messages, by their fields alone: no ROS is needed."""
+"""Between ROS messages and what they mean, by their fields alone: no ROS is needed."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import rotation_matrix
 
 Array = NDArray[np.float64]
@@ -21,6 +22,19 @@ def matrix_of_pose(pose: Any) -> Array:
 def matrix_of_transform(transform: Any) -> Array:
     """The same of a geometry_msgs/Transform."""
     return _matrix(transform.translation, transform.rotation)
+
+
+def camera_info_of(camera: CameraModel) -> dict[str, Any]:
+    """The fields of a sensor_msgs/CameraInfo but for its header."""
+    return {
+        "width": camera.width,
+        "height": camera.height,
+        "distortion_model": camera.distortion_model,
+        "D": camera.D.tolist(),
+        "K": camera.K.ravel().tolist(),
+        "R": camera.R.ravel().tolist(),
+        "P": camera.P.ravel().tolist(),
+    }
 
 
 def names_of(message: Any) -> dict[int, str]:

@@ -9,6 +9,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
 from seater_common.camera_model import CameraModel
+from seater_common.messages import camera_info_of
 
 # As seater_perception's diagnostics say it; a test compares.
 MARKERS, CLIPPED = "markers", "white of and round markers that is cut off [%]"
@@ -25,12 +26,11 @@ def image_message(header: Header, image: NDArray[np.uint8]) -> Image:
 
 def info_message(header: Header, lens: CameraModel | None, width: int, height: int) -> CameraInfo:
     """K = 0 where the lens is not known, as ROS has it. Without a projection of rectified images, P = [K 0]."""
-    message = CameraInfo(header=header, width=width, height=height)
     if lens is None:
-        return message
-    P = lens.P if lens.P[0, 0] > 0.0 else np.hstack([lens.K, np.zeros((3, 1))])
-    message.distortion_model, message.D = lens.distortion_model, lens.D.tolist()
-    message.K, message.R, message.P = lens.K.ravel().tolist(), lens.R.ravel().tolist(), P.ravel().tolist()
+        return CameraInfo(header=header, width=width, height=height)
+    message = CameraInfo(header=header, **camera_info_of(lens))
+    if not lens.P[0, 0] > 0.0:
+        message.P = np.hstack([lens.K, np.zeros((3, 1))]).ravel().tolist()
     return message
 
 

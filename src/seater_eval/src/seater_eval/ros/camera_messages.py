@@ -9,14 +9,12 @@ import numpy as np
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from seater_common.camera_model import CameraModel
+from seater_common.messages import camera_info_of
 
 
 def info_message(camera: CameraModel) -> CameraInfo:
     """Without a header."""
-    info = CameraInfo(width=camera.width, height=camera.height, distortion_model=camera.distortion_model)
-    info.D = camera.D.tolist()
-    info.K, info.R, info.P = (matrix.ravel().tolist() for matrix in (camera.K, camera.R, camera.P))
-    return info
+    return CameraInfo(**camera_info_of(camera))
 
 
 def decoded(message: CompressedImage) -> Image | None:

@@ -14,6 +14,7 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image, LaserScan
 
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import CameraMount, quaternion_of, rotation_rpy
+from seater_common.messages import camera_info_of
 from seater_msgs.msg import ObstacleArray
 from seater_sim.chair.covariance import VARIANCE_FLOOR
 from seater_sim.chair.interface import OdometrySample
@@ -101,14 +102,11 @@ def camera_transforms(mount: CameraMount, time_ns: int) -> list[TransformStamped
 
 def camera_info_message(model: CameraModel, image: SimulatedImage) -> CameraInfo:
     """Of one image; in its mode "nan_camera_info" the matrices are NaN."""
-    bad = 1.0 if image.camera_info_valid else math.nan
-    message = CameraInfo(height=model.height, width=model.width, distortion_model=model.distortion_model)
+    message = CameraInfo(**camera_info_of(model))
     message.header.stamp = stamp(image.stamp_ns)
     message.header.frame_id = OPTICAL_FRAME
-    message.D = model.D.tolist()
-    message.K = (bad * model.K).reshape(-1).tolist()
-    message.R = model.R.reshape(-1).tolist()
-    message.P = (bad * model.P).reshape(-1).tolist()
+    if not image.camera_info_valid:
+        message.K, message.P = [math.nan] * 9, [math.nan] * 12
     return message
 
 

@@ -17,6 +17,7 @@ from sensor_msgs.msg import CameraInfo
 import seater_perception as sp
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import quaternion_of
+from seater_common.messages import camera_info_of
 from seater_msgs.msg import DockObservation, MarkerDetection, MarkerDetectionArray
 from seater_sim.chair.interface import OdometrySample
 from seater_sim.ros.messages import OPTICAL_FRAME, odometry_message, stamp
@@ -47,9 +48,8 @@ class BagWriter:
 
     def camera_info(self, now: int, lens: CameraModel) -> None:
         """What the camera's driver has been told."""
-        message = CameraInfo(height=lens.height, width=lens.width, distortion_model=lens.distortion_model)
+        message = CameraInfo(**camera_info_of(lens))
         message.header.stamp, message.header.frame_id = stamp(now), OPTICAL_FRAME
-        message.D, message.K, message.R, message.P = (m.ravel().tolist() for m in (lens.D, lens.K, lens.R, lens.P))
         self._bag.write("camera/color/camera_info", message, stamp(now))
 
     def detections(self, now: int, stamp_ns: int, found: sp.DetectionResult) -> None:
