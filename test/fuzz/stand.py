@@ -21,6 +21,7 @@ from actionlib_msgs.msg import GoalStatus
 
 from seater_msgs.srv import GateArmResponse
 from seater_nmpc.ros import node as node_module
+from seater_nmpc.ros.inbox import worker as worker_module
 from seater_nmpc.ros.live import server as live_module
 from seater_nmpc.ros.node import DockingNode
 
@@ -50,7 +51,7 @@ class Stand:
         self.services: dict[str, Callable[[Any], Any]] = {}
         self._replace_ros(monkeypatch)
         self.node = DockingNode()
-        monkeypatch.setattr(rospy, "is_shutdown", lambda: self.node._queue.empty())
+        self.put, self.work_off = self.node._inbox.put, self.node._inbox.work_off
         self.limits = self.node._core.vehicle.chair.limits
 
     def arrive(self, topic: str, message: Any) -> None:
@@ -61,7 +62,7 @@ class Stand:
     def deliver(self, topic: str, message: Any) -> None:
         """One message, worked off at once."""
         self.arrive(topic, message)
-        self.node._work()
+        self.work_off()
 
     def call(self, service: str) -> Any:
         """The answer of a service without arguments. The worker gets its turn whenever it is asked."""
@@ -69,15 +70,14 @@ class Stand:
         caller = threading.Thread(target=lambda: answers.append(self.services[service](None)))
         caller.start()
         while caller.is_alive():
-            if not self.node._queue.empty():
-                self.node._work()
+            self.work_off()
             caller.join(0.001)
         return answers[0]
 
     def give(self, kind: str, goal: Any) -> None:
         """A goal of the action `kind`."""
         self._actions[kind](Handle(goal, self))
-        self.node._work()
+        self.work_off()
 
     @property
     def active(self) -> bool:
@@ -119,6 +119,7 @@ class Stand:
 
         values, silent = self._parameters, lambda *_, **__: None
         rospy.rostime.set_rostime_initialized(True)  # of the wall, where no clock is published
+        no_threads = SimpleNamespace(Thread=lambda **_: SimpleNamespace(start=silent))
         broadcaster = SimpleNamespace(sendTransform=lambda message: self.publish("/tf", message))
         replaced = {
             rospy: {
@@ -135,7 +136,8 @@ class Stand:
             actionlib: {"ActionServer": server},
             diagnostic_updater: {"Updater": Updater},
             live_module: {"Server": silent},
-            node_module: {"threading": SimpleNamespace(Thread=lambda **_: SimpleNamespace(start=silent))},
+            node_module: {"threading": no_threads},
+            worker_module: {"threading": no_threads},
         }  # fmt: skip
         for module, changes in replaced.items():
             for name, value in changes.items():

@@ -120,7 +120,7 @@ def test_after_a_pause_only_the_newest_odometry_moves_the_chair(stand: Stand) ->
     waiting = drive.standing(1.0)
     for message in waiting:
         stand.arrive("odom", message)
-    stand.node._work()
+    stand.work_off()
     requests = stand.sent["velocity_request"]
     assert 1 <= len(requests) <= 2 and requests[-1].header.stamp >= waiting[-1].header.stamp - rospy.Duration(
         0, 50000000
@@ -151,12 +151,12 @@ def test_what_took_too_long_to_work_out_is_not_asked_for(stand: Stand, monkeypat
 def test_a_watchdog_that_was_late_itself_ends_nothing(stand: Stand) -> None:
     drive = Drive(stand)
     assert drive.docks(RECOVERS), last(stand)
-    stand.node._enqueue("watchdog", None)
-    stand.node._work()
+    stand.put("watchdog", None)
+    stand.work_off()
     assert stand.active, last(stand)
     time.sleep(0.35)  # odometry_timeout
-    stand.node._enqueue("watchdog", None)
-    stand.node._work()
+    stand.put("watchdog", None)
+    stand.work_off()
     assert stand.results[-1].result_code == DockResult.ODOMETRY_LOST and not stand.active
 
 
@@ -170,18 +170,21 @@ def test_a_second_goal_replaces_the_first_and_the_other_action_is_busy(stand: St
     stand.node._abort(ResultCode.CANCELED, "the test ends")
 
 
-def test_an_error_in_a_handler_ends_the_goal(stand: Stand, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whatever it is: zero, and the client is told."""
+@pytest.mark.parametrize("error", [ZeroDivisionError, rospy.exceptions.ROSSerializationException])
+def test_an_error_in_a_handler_ends_the_goal(
+    stand: Stand, monkeypatch: pytest.MonkeyPatch, error: type[Exception]
+) -> None:
+    """Whatever it is: zero, and the client is told. Errors of ROS ended the worker's thread, silently."""
     drive = Drive(stand)
     assert drive.docks(RECOVERS)
 
     def fails(*_: Any) -> None:
-        raise ZeroDivisionError("sabotaged")
+        raise error("sabotaged")
 
     with monkeypatch.context() as broken:
-        broken.setattr(stand.node, "_on_detections", fails)
+        broken.setattr(stand.node._core.sequence, "add_detections", fails)
         stand.deliver("detections", drive.detections())
-    assert stand.errors == ["docking node, detections: ZeroDivisionError: sabotaged"]
+    assert stand.errors == [f"docking node, detections: {error.__name__}: sabotaged"]
     stand.errors.clear()
     assert (stand.results[-1].result_code, stand.active) == (DockResult.UNKNOWN, False)
     assert stand.sent["velocity_request"][-1].twist.linear.x == 0.0

@@ -12,7 +12,7 @@ from std_srvs.srv import TriggerResponse
 
 from seater_msgs.msg import DockFeedback, DockGoal, DockResult, GateState
 from seater_msgs.srv import GateArmResponse
-from seater_nmpc.ros import resume
+from seater_nmpc.ros.inbox import call
 from seater_nmpc.sequence.goal.results import ResultCode
 
 RECOVERS = 4.0  # [s]
@@ -67,7 +67,7 @@ def test_an_old_call_resumes_nothing(stand: Stand, monkeypatch: pytest.MonkeyPat
     assert drive.docks(RECOVERS)
     assert stand.call("docking_resume") == TriggerResponse(False, "no goal is paused")
     stopped(stand, drive, GateState.USER)
-    monkeypatch.setattr(resume, "FRESH", -1.0)
+    monkeypatch.setattr(call, "FRESH", -1.0)
     assert stand.call("docking_resume") == TriggerResponse(False, "the docking node was busy for too long")
     drive.advance(0.5)
     assert stand.sent["feedback"][-1].phase == DockFeedback.PAUSED
@@ -96,12 +96,12 @@ def test_a_goal_ends_when_its_client_is_gone(stand: Stand) -> None:
     drive, watch = Drive(stand), stand.node._client
     watch._timeout = 60.0
     assert drive.docks(RECOVERS)
-    stand.node._enqueue("client lost", None)
-    stand.node._work()
+    stand.put("client lost", None)
+    stand.work_off()
     assert stand.active, "it has answered"
     watch._answered -= 60.1
-    stand.node._enqueue("client lost", None)
-    stand.node._work()
+    stand.put("client lost", None)
+    stand.work_off()
     assert not stand.active and stand.results[-1].result_code == DockResult.CLIENT_LOST
     assert stand.results[-1].result_text.startswith("/client, which gave the goal, has not answered for ")
     assert stand.sent["velocity_request"][-1].twist.linear.x == 0.0 and watch.lost() == ""

@@ -24,6 +24,11 @@ def matrix_of_transform(transform: Any) -> Array:
     return _matrix(transform.translation, transform.rotation)
 
 
+def quaternion_about_z(heading: float) -> tuple[float, float, float, float]:
+    """x, y, z, w of a heading [rad] on the floor."""
+    return 0.0, 0.0, math.sin(0.5 * heading), math.cos(0.5 * heading)
+
+
 def camera_info_of(camera: CameraModel) -> dict[str, Any]:
     """The fields of a sensor_msgs/CameraInfo but for its header."""
     return {

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import rospy
 from geometry_msgs.msg import Quaternion, TransformStamped
@@ -11,6 +9,7 @@ from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
 
 from seater_base.odometry import Driven
+from seater_common.messages import quaternion_about_z
 
 _PLANE = np.ix_([0, 1, 5], [0, 1, 5])
 
@@ -22,7 +21,7 @@ def odometry_message(stamp: rospy.Time, frames: tuple[str, str], driven: Driven)
     message.header.frame_id, message.child_frame_id = frames
     pose = message.pose.pose
     pose.position.x, pose.position.y = float(driven.pose[0]), float(driven.pose[1])
-    pose.orientation = _about_z(float(driven.pose[2]))
+    pose.orientation = Quaternion(*quaternion_about_z(float(driven.pose[2])))
     message.twist.twist.linear.x, message.twist.twist.angular.z = driven.v, driven.omega
     covariance, speeds = np.zeros((6, 6)), np.zeros((6, 6))
     covariance[_PLANE] = driven.pose_covariance
@@ -37,9 +36,5 @@ def transform_message(stamp: rospy.Time, frames: tuple[str, str], pose: NDArray[
     message.header.stamp = stamp
     message.header.frame_id, message.child_frame_id = frames
     message.transform.translation.x, message.transform.translation.y = float(pose[0]), float(pose[1])
-    message.transform.rotation = _about_z(float(pose[2]))
+    message.transform.rotation = Quaternion(*quaternion_about_z(float(pose[2])))
     return message
-
-
-def _about_z(heading: float) -> Quaternion:
-    return Quaternion(0.0, 0.0, math.sin(0.5 * heading), math.cos(0.5 * heading))

@@ -10,6 +10,7 @@ from geometry_msgs.msg import (
     Pose,
     PoseStamped,
     PoseWithCovarianceStamped,
+    Quaternion,
     TransformStamped,
     Twist,
     TwistStamped,
@@ -19,7 +20,7 @@ from nav_msgs.msg import Path
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import planar_pose
-from seater_common.messages import matrix_of_pose
+from seater_common.messages import matrix_of_pose, quaternion_about_z
 from seater_msgs.msg import (
     ControllerStatus,
     DockFeedback,
@@ -46,7 +47,7 @@ def pose_message(pose: ArrayLike) -> Pose:
     x, y, heading = (float(value) for value in np.asarray(pose))
     message = Pose()
     message.position.x, message.position.y = x, y
-    message.orientation.z, message.orientation.w = math.sin(0.5 * heading), math.cos(0.5 * heading)
+    message.orientation = Quaternion(*quaternion_about_z(heading))
     return message
 
 

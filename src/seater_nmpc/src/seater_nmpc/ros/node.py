@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-import queue
 import threading
 import time
-from collections.abc import Callable
 from typing import Any
 
 import rospy
@@ -28,17 +26,18 @@ from seater_nmpc.ros.docks.services import DockServices
 from seater_nmpc.ros.gate import BY_A_PERSON, Gate, Loss
 from seater_nmpc.ros.goal_checks import RefusedError, check_goal, dock_of
 from seater_nmpc.ros.goals import ClientWatch, Goals
+from seater_nmpc.ros.inbox.odometry_age import OdometryAge
+from seater_nmpc.ros.inbox.worker import Handler, Worker
 from seater_nmpc.ros.live.server import LiveParameters
 from seater_nmpc.ros.obstacles import Obstacles
 from seater_nmpc.ros.publishers import Publishers
-from seater_nmpc.ros.resume import Call, ResumeService
+from seater_nmpc.ros.resume import ResumeService
 from seater_nmpc.ros.speed_zone import SpeedZone
 from seater_nmpc.ros.transforms import TransformBuffer
 from seater_nmpc.sequence.goal.results import Phase, ResultCode, Step
 
 ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal, or the beginning of a pause
 OUT_OF_DATE = 0.2  # [s] a request that is based on older odometry is not sent: the gate brakes in silence, too
-LONGEST_BACKLOG = 5.0  # [s] a stamp that is farther ahead is wrong
 TIME_JUMP = 1.0  # [s] odometry this much older than the last one means that time started anew
 
 
@@ -49,7 +48,6 @@ class DockingNode:
 
     def __init__(self) -> None:
         lock_step, self._dock_frame = flag("~lock_step"), rospy.get_param("~dock_frame", "dock")
-        self._lock_step, self._began = lock_step, time.monotonic()  # of the work on the last odometry
         self._maker = CoreMaker(lock_step=lock_step)
         self._live: LiveParameters | None = None
         docks: Docks[Core] = Docks(read_docks, self._make_core)  # before all is advertised
@@ -58,30 +56,29 @@ class DockingNode:
         self._cycle, self._zeros, self._fallbacks_before = -1, 0, 0
         self._contact: bool | None = None
         self._odometry: Odometry | None = None  # the newest that was of use
-        self._queue: queue.Queue[tuple[str, Any]] = queue.Queue()
-        self._clock: Callable[[], float] = rospy.get_time if lock_step else time.monotonic
-        self._last_odometry, self._last_stamp = self._clock(), rospy.Time()
+        self._inbox = Worker(lambda text: self._abort(ResultCode.UNKNOWN, text), self._answer)
+        self._age = OdometryAge(lock_step=lock_step)
         self._out = Publishers(self._dock_frame, lock_step)
         self._tf = TransformBuffer()
         self._tf_in = tf2_ros.TransformListener(self._tf)
         self._obstacles = Obstacles(self._tf, self._dock_frame, core.parameters.sequence.obstacle_timeout)
         self._diagnostics = Diagnostics(core.controller, core.observer, self._period)
-        self._goals = Goals(self._enqueue)
+        self._goals = Goals(self._inbox.put)
         self._client = ClientWatch(core.parameters.sequence.client_timeout)
-        self._gate = Gate(self._enqueue, lock_step=lock_step)
+        self._gate = Gate(self._inbox.put, lock_step=lock_step)
         self._zone = SpeedZone(core.chair, core.dock, core.parameters.sequence.back_out_speed)
-        self._dock_services = DockServices(docks, self._ask, speaks=core.shadow is None)
+        self._dock_services = DockServices(docks, self._inbox.ask, speaks=core.shadow is None)
         contact = flag("~require_contact")
         self._in_use = DockInUse(docks, self._dock_services, self._follow, require_contact=contact)
-        threading.Thread(target=self._work, daemon=True).start()
+        self._inbox.start(self._handlers())
         threading.Thread(target=self._watch, daemon=True).start()
         rospy.on_shutdown(self._on_shutdown)
         self._subscribe()
         if core.shadow is None:
-            self._resume = ResumeService(self._ask, self._go_on)
+            self._resume = ResumeService(self._inbox.ask, self._go_on)
             self._dock_services.offer(self._why_not_reload, self._take_docks)
             if core.parameters.control.formulation == "docking":  # the other one has neither these weights nor a cap
-                self._live = LiveParameters(docks.cores, self._ask, lambda: self._core.sequence.active)
+                self._live = LiveParameters(docks.cores, self._inbox.ask, lambda: self._core.sequence.active)
             self._goals.start()
         solver = core.parameters.control.solver
         rospy.loginfo("docking node ready (%s%s)", solver, "" if core.shadow is None else ", shadow")
@@ -106,40 +103,27 @@ class DockingNode:
         )
         for topic, kind, size in topics:
             rospy.Subscriber(topic, kind, lambda m, t=topic: self._enqueue(t, m), queue_size=size, tcp_nodelay=True)
-        rospy.Subscriber("charging_contact", Bool, lambda m: self._enqueue("contact", m.data), queue_size=10)
+        rospy.Subscriber("charging_contact", Bool, lambda m: self._inbox.put("contact", m.data), queue_size=10)
 
     def _enqueue(self, kind: str, content: Any) -> None:
-        if kind == "odom" and content.header.stamp > self._last_stamp:  # a clock that stands is no odometry
-            self._last_odometry, self._last_stamp = self._clock(), content.header.stamp
-        self._queue.put((kind, content))
+        if kind == "odom":
+            self._age.arrived(content.header.stamp)
+        self._inbox.put(kind, content)
 
-    def _work(self) -> None:
-        handlers = {
+    def _handlers(self) -> dict[str, Handler]:
+        """What is done with each kind of input."""
+        return {
             "odom": self._on_odometry,
             "detections": self._on_detections,
             "obstacles": lambda message: self._obstacles.take(message, self._out.odom_frame),
             "contact": lambda closed: setattr(self, "_contact", bool(closed)),
             "goal": lambda goal: self._on_goal(*goal),
             "cancel": self._on_cancel,
-            "call": lambda call: call.work(),
             "gate": lambda message: self._on_gate(self._gate.on_state(message)),
             "gate silent": lambda _: self._on_gate(self._gate.silence()),
             "client lost": lambda _: self._on_client_lost(),
             "watchdog": lambda _: self._on_watchdog(),
         }
-        while not rospy.is_shutdown():
-            try:
-                kind, content = self._queue.get(timeout=0.2)
-            except queue.Empty:
-                continue
-            try:
-                handlers[kind](content)
-            except rospy.ROSException:  # a publisher was closed by the shutdown
-                return
-            except Exception as error:  # whatever it is: the chair must stand, and the node must say so
-                rospy.logerr_throttle(1.0, "docking node, %s: %s: %s", kind, type(error).__name__, error)
-                self._abort(ResultCode.UNKNOWN, f"internal error: {error}")
-            self._answer(kind, content)
 
     def _answer(self, kind: str, content: Any) -> None:
         """Say that this input has been worked through, where the simulator waits for it."""
@@ -149,11 +133,13 @@ class DockingNode:
             self._out.done("charging_contact", Header())
 
     def _on_odometry(self, message: OdometryMsg) -> None:
-        stamp, self._began = message.header.stamp.to_sec(), time.monotonic()
+        stamp = message.header.stamp.to_sec()
+        self._age.begin()
         if stamp < self._out.stamp.to_sec() - TIME_JUMP:  # of the last message, whether it was used or not
             self._abort(ResultCode.ODOMETRY_LOST, "time went backward")
             self._in_use.forget()
-            self._cycle, self._last_stamp = -1, rospy.Time()
+            self._age.start_anew()
+            self._cycle = -1
         odometry = conversions.odometry(message)
         if self._core.sequence.add_odometry(self._core.vehicle.odometry(odometry)):
             self._odometry = odometry
@@ -165,16 +151,8 @@ class DockingNode:
         cycle = math.floor(stamp / self._period + 1e-6)
         if cycle > self._cycle:
             self._cycle = cycle
-            if self._behind() <= self._period:
+            if self._age.behind(self._out.stamp) <= self._period:
                 self._control(stamp)
-
-    def _behind(self) -> float:
-        """How old the odometry is that is being worked [s], after a long search for a way, say. What would be asked for
-        then is out of date, and the gate would refuse it by its stamp."""
-        if self._lock_step:
-            return 0.0
-        newer = (self._last_stamp - self._out.stamp).to_sec()
-        return max(newer if newer < LONGEST_BACKLOG else 0.0, time.monotonic() - self._began)
 
     def _control(self, now: float) -> None:
         """One control cycle, at the first odometry in each period of message time."""
@@ -189,7 +167,7 @@ class DockingNode:
         if self._core.sequence.active:
             self._core.sequence.held, self._core.sequence.held_by = self._gate.holds(now), self._gate.held_by
             step = self._core.sequence.update(now, self._contact)
-            self._send(step, ask=step.result is not None or self._behind() <= OUT_OF_DATE)
+            self._send(step, ask=step.result is not None or self._age.behind(self._out.stamp) <= OUT_OF_DATE)
         else:
             if self._zeros > 0:
                 self._zeros -= 1
@@ -294,12 +272,6 @@ class DockingNode:
     def _take_docks(self, loaded: Loaded[Core]) -> str:
         return self._in_use.take(loaded, self._out.stamp)
 
-    def _ask(self, work: Callable[[], str]) -> str:
-        """For the thread of a service: the answer of `work`, which is done in the worker's thread."""
-        call = Call(work)
-        self._enqueue("call", call)
-        return call.wait()
-
     def _on_cancel(self, handle: Any) -> None:
         if self._goals.is_current(handle):
             self._abort(ResultCode.CANCELED, "cancelled")
@@ -316,7 +288,7 @@ class DockingNode:
 
     def _on_watchdog(self) -> None:
         """By now odometry may have come: the watching thread may have been the first that ran after a long search."""
-        if self._clock() - self._last_odometry > self._core.parameters.sequence.odometry_timeout:
+        if self._age.silence() > self._core.parameters.sequence.odometry_timeout:
             self._abort(ResultCode.ODOMETRY_LOST, "no odometry arrives")
 
     def _on_client_lost(self) -> None:
@@ -342,20 +314,17 @@ class DockingNode:
             self._send(self._core.sequence.abort(self._out.stamp.to_sec(), code, text), release=release)
 
     def _watch(self) -> None:
-        """Zero when the odometry stops or the gate is silent during a goal, even when the worker is busy.
-
-        In lock-step the simulator's time counts, which may stand while others are waited for; else wall time.
-        """
+        """Zero when the odometry stops or the gate is silent during a goal, even when the worker is busy."""
         limit = self._core.parameters.sequence.odometry_timeout
         while not rospy.is_shutdown():
             time.sleep(0.05)
-            if self._core.sequence.active and self._clock() - self._last_odometry > limit:
+            if self._core.sequence.active and self._age.silence() > limit:
                 self._out.request(0.0, 0.0)
-                self._enqueue("watchdog", None)
+                self._inbox.put("watchdog", None)
             if self._core.sequence.active and self._gate.silence() is not None:
-                self._enqueue("gate silent", None)
+                self._inbox.put("gate silent", None)
             if self._core.sequence.active and self._client.lost():
-                self._enqueue("client lost", None)
+                self._inbox.put("client lost", None)
 
     def _on_shutdown(self) -> None:
         self._out.close()

@@ -14,7 +14,7 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image, LaserScan
 
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import CameraMount, quaternion_of, rotation_rpy
-from seater_common.messages import camera_info_of
+from seater_common.messages import camera_info_of, quaternion_about_z
 from seater_msgs.msg import ObstacleArray
 from seater_sim.chair.covariance import VARIANCE_FLOOR
 from seater_sim.chair.interface import OdometrySample
@@ -72,7 +72,7 @@ def obstacles_message(obstacles: list[Obstacle], time_ns: int) -> ObstacleArray:
 def _set_pose(message: Odometry, pose: ArrayLike, v: float, omega: float) -> None:
     x, y, heading = map(float, np.asarray(pose))
     message.pose.pose.position.x, message.pose.pose.position.y = x, y
-    message.pose.pose.orientation = Quaternion(0.0, 0.0, math.sin(0.5 * heading), math.cos(0.5 * heading))
+    message.pose.pose.orientation = Quaternion(*quaternion_about_z(heading))
     message.twist.twist.linear.x, message.twist.twist.angular.z = v, omega
 
 

@@ -1,0 +1,1 @@
+"""What arrives, worked by one thread in the order of its arrival."""
