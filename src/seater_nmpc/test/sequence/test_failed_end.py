@@ -1,5 +1,6 @@
 """Where a chair ends that could not dock: where it is, or backed out to the predock point."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -77,3 +78,16 @@ def test_the_next_goal_knows_nothing_of_it(make_world) -> None:
     world.contact = lambda w: w.truth[0] > -0.02
     world.sequence.start_dock(world.now)
     assert world.run(60.0).result.code is ResultCode.SUCCESS
+
+
+def test_a_camera_that_was_turned_is_named_where_the_docking_fails(make_world) -> None:
+    """It ended with NOT_WITHIN_TOLERANCE, "stands beside the dock", after two retries."""
+    c, s = math.cos(0.05), math.sin(0.05)
+    turn = np.array([[c, 0, s, 0], [0, 1, 0, 0], [-s, 0, c, 0], [0, 0, 0, 1.0]])  # about the optical frame's y
+    world = make_world((-1.6, 0.0, 5.0), sequence={"max_retries": 0})
+    world.shows = lambda _, found: [replace(seen, T_optical_dock=turn @ seen.T_optical_dock) for seen in found]
+    world.tick()
+    world.sequence.start_dock(world.now)
+    result = world.run(60.0).result
+    assert result.code is ResultCode.INCONSISTENT, result
+    assert result.text.startswith("stands beside the dock") and "check the camera's yaw" in result.text

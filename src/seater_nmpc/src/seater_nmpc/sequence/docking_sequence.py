@@ -38,6 +38,8 @@ from seater_nmpc.sequence.phases.phases import Phases
 from seater_nmpc.sequence.report import make_result, make_step, standard_deviations
 
 _SLIPPING = 1.0  # of the observer: from here on wheels slip, and what the chair does says nothing of its motors
+# Ends at the dock: a wrong installation leads to each of them.
+_AT_THE_DOCK = (ResultCode.SUCCESS, ResultCode.NOT_WITHIN_TOLERANCE, ResultCode.FAILED_TO_CHARGE)
 # What ends the watch of the contact, and leaves the docked chair where it is.
 _LETS_DOCKED = (
     ResultCode.CANCELED,
@@ -213,10 +215,7 @@ class DockingSequence:
             chair = self._ends.check(now)
             command = STANDING if chair is None else self._phases.command(chair)
         except GoalEnd as end:
-            doubt = self._watch.final() if end.code is ResultCode.SUCCESS and self._docking else None
-            if doubt is not None:
-                return self._finish(now, ResultCode[doubt.kind.name], doubt.text)
-            return self._finish(now, end.code, end.text)
+            return self._finish(now, *self._doubted(end))
         return self._step(now, command)
 
     @property
@@ -273,6 +272,14 @@ class DockingSequence:
     @property
     def _docking(self) -> bool:
         return self._goal.phase is not Phase.UNDOCKING and not self._goal.staging
+
+    def _doubted(self, end: GoalEnd) -> tuple[ResultCode, str]:
+        """Code and text of a goal's end: of one at the dock, those of a wrong installation that shows."""
+        doubt = self._watch.final() if end.code in _AT_THE_DOCK and self._docking else None
+        if doubt is None:
+            return end.code, end.text
+        failed = "" if end.code is ResultCode.SUCCESS else f"{end.text}: "
+        return ResultCode[doubt.kind.name], failed + doubt.text
 
     @property
     def staging(self) -> bool:
