@@ -45,7 +45,8 @@ class Drift:
         self.slip, self._rolling = slip, slip if both else min(slip, 1.0)
         along = self._rolling**2
         self._p = p
-        self._variances = np.array(  # along, aside, of the turn by way and by turn; walks by way, by turn, of e_d by way
+        # Along and aside; of the turn by way and by turn; walks of e_s and e_t, and of e_d.
+        self._variances = np.array(
             [
                 p.distance_noise**2 + along * p.slip_distance_noise**2,
                 p.side_noise**2 + along * p.slip_side_noise**2,
@@ -73,7 +74,8 @@ class Drift:
 def transitions(models: Sequence[Drift], docks: Array, last: Instant, now: Instant) -> tuple[Array, Array]:
     """F and Q, (k, 7, 7), of each of k models, as `Drift.transition`; `docks` (k, 3). What does not depend on the model
     is computed once."""
-    along, aside, by_way, by_turn, walk, walk_turn = np.array([model._variances for model in models]).T[:, :, None, None]
+    variances = np.array([model._variances for model in models])  # (k, 6)
+    along, aside, by_way, by_turn, walk, walk_turn = variances.T[:, :, None, None]
     A = np.zeros((len(models), 3, 3))
     A[:, 0, 0], A[:, 1, 0], A[:, 0, 2], A[:, 1, 1], A[:, 2, 0] = -docks[:, 1], docks[:, 0], 1.0, -1.0, 1.0
     travel = now.travel.plus(last.travel, -1.0)
