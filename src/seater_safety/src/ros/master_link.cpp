@@ -10,7 +10,7 @@ namespace seater_safety {
 namespace {
 
 constexpr double kMasterTimeout = 2.0;  // [s]
-constexpr double kPeriod = 0.5;         // [s] between two questions
+constexpr double kAskPeriod = 0.5;      // [s] between two questions
 constexpr double kNap = 0.05;           // [s]
 
 double steadyNow() {
@@ -42,7 +42,7 @@ void MasterLink::work() {
     const bool pressed = pressed_;
     if (pressed != stored) ros::param::set("~emergency_stop_pressed", pressed);
     stored = pressed;
-    if (steadyNow() - asked > kPeriod) {
+    if (steadyNow() - asked > kAskPeriod) {
       asked = steadyNow();
       ask();
     }

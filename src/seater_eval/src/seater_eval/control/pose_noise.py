@@ -51,7 +51,7 @@ class DockSensor:
         self._width, self._height, self._K = camera.width, camera.height, camera.P[:, :3]
         self._T_optical_base = np.linalg.inv(chair.camera.T_base_optical())
         self._corners = np.concatenate([_corners_in_dock(marker) for marker in dock.markers])  # (4 n, 3), in the dock
-        self._outlines = _outlines(self._corners)
+        self._outlines = _outlines(self._corners).reshape(-1, 8, 3)
         self._prisms = [*side_wall_prisms(dock.bay), *obstacles]
         self._normals = np.array([marker.T_dock_marker()[:3, 2] for marker in dock.markers])
 
@@ -99,23 +99,27 @@ class DockSensor:
         """Mean side of each marker in the image [px]; 0 when a corner is outside, the print is seen from behind, or
         something stands before any part of it."""
         points = _transform(T, self._corners).reshape(-1, 4, 3)
-        faces_us = np.einsum("ni,ni->n", self._normals @ T[:3, :3].T, points.mean(axis=1)) < 0.0
-        candidates = np.flatnonzero(faces_us & np.all(points[:, :, 2] >= 0.05, axis=1))
-        pixels = (points[candidates] / points[candidates, :, 2:]) @ self._K.T
+        faces_us = np.einsum("ni,ni->n", self._normals @ T[:3, :3].T, points.sum(axis=1)) < 0.0
+        candidates = np.flatnonzero(faces_us & (points[:, :, 2].min(axis=1) >= 0.05))
+        pixels = ((points[candidates] / points[candidates, :, 2:]) @ self._K.T)[:, :, :2]
         border = self._noise.border
         low, high = border, [self._width - 1 - border, self._height - 1 - border]
-        inside = np.all((pixels[:, :, :2] >= low) & (pixels[:, :, :2] <= high), axis=(1, 2))
-        edges = pixels[:, [1, 2, 3, 0], :2] - pixels[:, :, :2]
+        inside = ((pixels >= low) & (pixels <= high)).all(axis=(1, 2))
         sides = np.zeros(len(points))
-        shown = inside & ~self._hidden(T)[candidates]
-        sides[candidates] = np.where(shown, np.hypot(edges[:, :, 0], edges[:, :, 1]).mean(axis=1), 0.0)
+        if not inside.any():
+            return sides
+        candidates, pixels = candidates[inside], pixels[inside]
+        edges = pixels[:, [1, 2, 3, 0]] - pixels
+        sides[candidates] = np.hypot(edges[:, :, 0], edges[:, :, 1]).mean(axis=1)
+        sides[candidates[self._hidden(T, candidates)]] = 0.0
         return sides
 
-    def _hidden(self, T: Array) -> NDArray[np.bool_]:
-        """Whether a wall or an obstacle stands before each marker, or a part of it (its outline is looked at)."""
+    def _hidden(self, T: Array, markers: NDArray[np.int_]) -> NDArray[np.bool_]:
+        """Whether a wall or an obstacle stands before each of these markers, or a part of it (its outline is looked
+        at)."""
         camera = -T[:3, :3].T @ T[:3, 3]
-        lines = blocked(camera[None], self._outlines, self._prisms)[0]
-        return np.asarray(lines.reshape(len(self._normals), -1).any(axis=1))
+        lines = blocked(camera[None], self._outlines[markers].reshape(-1, 3), self._prisms)[0]
+        return np.asarray(lines.reshape(len(markers), -1).any(axis=1))
 
 
 def _corners_in_dock(marker: Marker) -> Array:

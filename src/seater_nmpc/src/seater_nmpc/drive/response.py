@@ -60,7 +60,7 @@ class ResponseEstimator:
         self._prior += _prior(self._drives, expected)
         self._cost, self._drive = self._prior.copy(), 0
         self._gains = Gains(self._prior.shape, _GAIN_NOISE * expected.noise)
-        self._costs = self._cost + self._gains.costs  # changes with each window, asked for with each message
+        self._add_up()
         self.restart()
 
     def restart(self) -> None:
@@ -72,12 +72,21 @@ class ResponseEstimator:
     def _begin_window(self) -> None:
         self._measured, self._predicted, self._time, self._weight = 0.0, np.zeros_like(self._cost), 0.0, 1.0
 
+    def _add_up(self) -> None:
+        """The costs change with each window; they, and what follows from them, are asked for with each message."""
+        self._costs = self._cost + self._gains.costs
+        self._believed: AxisDrive | None = None
+        self._delay_costs: Array | None = None
+        self._lag_costs: tuple[int, Array] | None = None
+
     @property
     def drive(self) -> AxisDrive:
         """The deadband that is believed in, with the gain of the likeliest delay and lag."""
-        costs, gains = self._costs[:, :, self._drive], self._gains.values[:, :, self._drive]
-        drive = self._drives[self._drive]
-        return replace(drive, gain=drive.gain * float(gains.flat[np.argmin(costs)]))
+        if self._believed is None:
+            costs, gains = self._costs[:, :, self._drive], self._gains.values[:, :, self._drive]
+            drive = self._drives[self._drive]
+            self._believed = replace(drive, gain=drive.gain * float(gains.flat[np.argmin(costs)]))
+        return self._believed
 
     def difference(self) -> float:
         """Measured less expected speed in the last window: the smallest of all delays and lags that explain about as
@@ -90,11 +99,15 @@ class ResponseEstimator:
 
     def delay_costs(self) -> Array:
         """How badly each of `delays` explains what was measured, as a negative log likelihood."""
-        return np.asarray(self._costs.min(axis=(1, 2)))
+        if self._delay_costs is None:
+            self._delay_costs = np.asarray(self._costs.min(axis=(1, 2)))
+        return self._delay_costs
 
     def lag_costs(self, delay: int) -> Array:
         """The same of each of `lags`, given a delay (an index)."""
-        return np.asarray(self._costs[delay].min(axis=1))
+        if self._lag_costs is None or self._lag_costs[0] != delay:
+            self._lag_costs = delay, np.asarray(self._costs[delay].min(axis=1))
+        return self._lag_costs[1]
 
     def add(
         self, start: float, end: float, commanded: Callable[[float, float], float], measured: float, *, weight: float
@@ -133,7 +146,7 @@ class ResponseEstimator:
             self._cost += self._weight * np.log1p(square)
             self._cost = np.minimum(self._cost - self._cost.min(), _MOST + self._prior)
             self._gains.add(predicted, measured, self._weight, forgetting)
-            self._costs = self._cost + self._gains.costs
+            self._add_up()
             self._drive = better(self._costs.min(axis=(0, 1)), self._drive, _MARGIN)
         self._begin_window()
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_nmpc.observe.filter import DockFilter, Look, State
+from seater_nmpc.observe.filter import DockFilter, Look, State, take_together
 from seater_nmpc.observe.innovation import Fusion, Outcome
 from seater_nmpc.observe.measurement import Measurement
 from seater_nmpc.observe.odometry import Instant
@@ -64,12 +64,15 @@ class FilterBank:
 
     def take(self, chair: Instant, offered: list[Measurement]) -> Fusion:
         """Let every filter look at the image. FUSED: the chosen one uses it; GATE: it does not."""
-        looks = [single.take(chair, offered) if single.covers(chair.stamp) else None for single in self._filters]
+        covering = [i for i, single in enumerate(self._filters) if single.covers(chair.stamp)]
+        looks: list[Look | None] = [None] * len(SLIPS)
+        for i, look in zip(covering, take_together([self._filters[i] for i in covering], chair, offered), strict=True):
+            looks[i] = look
         before = self._chosen
         self._weigh(looks)
-        look = looks[self._chosen] or looks[before]
-        assert look is not None  # the chosen filter covers the stamp
-        return Fusion(outcome=Outcome.FUSED if look.fused else Outcome.GATE, innovation=look.innovation)
+        answer = looks[self._chosen] or looks[before]
+        assert answer is not None  # the chosen filter covers the stamp
+        return Fusion(outcome=Outcome.FUSED if answer.fused else Outcome.GATE, innovation=answer.innovation)
 
     def _weigh(self, looks: list[Look | None]) -> None:
         worst = min(look.log_likelihood for look in looks if look is not None)

@@ -20,6 +20,8 @@ slip^2 slip_noise^2, and e walks at random by slip * slip_walk in each square ro
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -43,11 +45,17 @@ class Drift:
         self.slip, self._rolling = slip, slip if both else min(slip, 1.0)
         along = self._rolling**2
         self._p = p
-        self._along = p.distance_noise**2 + along * p.slip_distance_noise**2
-        self._aside = p.side_noise**2 + along * p.slip_side_noise**2
-        self._by_way = p.heading_noise**2 + turning * p.slip_heading_noise**2
-        self._by_turn = p.turn_noise**2 + along * p.slip_turn_noise**2
-        self._walk, self._walk_turn = along * p.slip_walk**2, turning * p.slip_walk_turn**2
+        # Along and aside; of the turn by way and by turn; walks of e_s and e_t, and of e_d.
+        self._variances = np.array(
+            [
+                p.distance_noise**2 + along * p.slip_distance_noise**2,
+                p.side_noise**2 + along * p.slip_side_noise**2,
+                p.heading_noise**2 + turning * p.slip_heading_noise**2,
+                p.turn_noise**2 + along * p.slip_turn_noise**2,
+                along * p.slip_walk**2,
+                turning * p.slip_walk_turn**2,
+            ]
+        )
 
     def initial_errors(self) -> tuple[Array, Array]:
         """Mean (4,) and covariance (4, 4) of (e_s, e_t, e_d, b) before anything was measured."""
@@ -59,16 +67,26 @@ class Drift:
 
     def transition(self, dock: Array, last: Instant, now: Instant) -> tuple[Array, Array]:
         """F and Q, (7, 7), of the state from `last` to `now`; `dock` (3,): its place at `last`."""
-        x, y = dock[0], dock[1]
-        A = np.array([[-y, 0.0, 1.0], [x, -1.0, 0.0], [1.0, 0.0, 0.0]])
-        travel = now.travel.plus(last.travel, -1.0)
-        F, Q = _I.copy(), np.zeros((SIZE, SIZE))
-        F[:2, 3] = now.pose[:2] - last.pose[:2]
-        F[:3, 4:] = A @ travel.rows.T
-        Q[:2, :2] = self._along * travel.along + self._aside * (_I[:2, :2] * travel.driven - travel.along)
-        Q[:3, :3] += A @ (self._by_way * travel.by_way + self._by_turn * travel.by_turn) @ A.T
-        way, turn = travel.driven, travel.turned
-        Q[3, 3], Q[4, 4], Q[5, 5] = self._walk * way, self._walk * turn, self._walk_turn * way
-        if now.stamp < last.stamp:
-            Q = -Q  # backward in time the sums are negative; uncertainty grows all the same
-        return F, Q
+        F, Q = transitions([self], dock[None], last, now)
+        return F[0], Q[0]
+
+
+def transitions(models: Sequence[Drift], docks: Array, last: Instant, now: Instant) -> tuple[Array, Array]:
+    """F and Q, (k, 7, 7), of each of k models, as `Drift.transition`; `docks` (k, 3). What does not depend on the model
+    is computed once."""
+    variances = np.array([model._variances for model in models])  # (k, 6)
+    along, aside, by_way, by_turn, walk, walk_turn = variances.T[:, :, None, None]
+    A = np.zeros((len(models), 3, 3))
+    A[:, 0, 0], A[:, 1, 0], A[:, 0, 2], A[:, 1, 1], A[:, 2, 0] = -docks[:, 1], docks[:, 0], 1.0, -1.0, 1.0
+    travel = now.travel.plus(last.travel, -1.0)
+    F, Q = np.zeros((2, len(models), SIZE, SIZE))
+    F[:] = _I
+    F[:, :2, 3] = now.pose[:2] - last.pose[:2]
+    F[:, :3, 4:] = A @ travel.rows.T
+    Q[:, :2, :2] = along * travel.along + aside * (_I[:2, :2] * travel.driven - travel.along)
+    Q[:, :3, :3] += A @ (by_way * travel.by_way + by_turn * travel.by_turn) @ A.transpose(0, 2, 1)
+    way, turn = travel.driven, travel.turned
+    Q[:, 3, 3], Q[:, 4, 4], Q[:, 5, 5] = (walk * way)[:, 0, 0], (walk * turn)[:, 0, 0], (walk_turn * way)[:, 0, 0]
+    if now.stamp < last.stamp:
+        Q = -Q  # backward in time the sums are negative; uncertainty grows all the same
+    return F, Q

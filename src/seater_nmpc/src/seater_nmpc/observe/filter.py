@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 
@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.se2 import wrap_angle
-from seater_nmpc.observe.drift import SIZE, Drift
+from seater_nmpc.observe.drift import SIZE, Drift, transitions
 from seater_nmpc.observe.innovation import Innovation, likeliest
 from seater_nmpc.observe.measurement import Measurement, difference
 from seater_nmpc.observe.odometry import Instant
@@ -74,9 +74,10 @@ class DockFilter:
         likelihoods = []
         for chair, measurement in entries:
             mean, predicted = self.predict(self.states[-1], chair)
-            innovation, _ = likeliest([measurement], mean[:3], predicted[:3, :3], self._calibration, math.inf)
+            expected = mean[None, :3], predicted[None, :3, :3]
+            [(innovation, _)] = likeliest([measurement], *expected, self._calibration, math.inf)
             likelihoods.append(innovation.log_likelihood)
-            self._update(chair, measurement, mean, predicted)
+            _update([self], chair, [measurement], mean[None], predicted[None])
         return float(np.mean(likelihoods)) if likelihoods else 0.0
 
     def adopt(self, other: DockFilter) -> None:
@@ -89,36 +90,82 @@ class DockFilter:
 
     def take(self, chair: Instant, offered: list[Measurement]) -> Look:
         """Fuse the likeliest of the poses that an image leaves open, if it passes the gate. `covers` must hold."""
-        later = list(takewhile(lambda state: state.instant.stamp > chair.stamp, reversed(self.states)))[::-1]
-        before = self.states[len(self.states) - len(later) - 1]
-        mean, predicted = self.predict(before, chair)
-        gate = self._parameters.gate
-        innovation, best = likeliest(offered, mean[:3], predicted[:3, :3], self._calibration, gate)
-        if innovation.nis > gate:
-            return Look(innovation, False, _LOG_OUTLIER)
-        for _ in later:
-            self.states.pop()
-        self._update(chair, best, mean, predicted)
-        for state in later:
-            self._update(state.instant, state.measurement, *self.predict(self.states[-1], state.instant))
-        oldest = chair.stamp - self._parameters.buffer_duration
-        while len(self.states) > _KEPT and self.states[0].instant.stamp < oldest:
-            self.states.popleft()
-        return Look(innovation, True, max(_LOG_OUTLIER, innovation.log_likelihood))
+        return take_together([self], chair, offered)[0]
 
     def predict(self, last: State, now: Instant) -> tuple[Array, Array]:
         """Mean (7,) and covariance (7, 7) at `now`."""
-        F, Q = self._drift.transition(last.mean, last.instant, now)
-        mean = F @ last.mean
-        mean[2] = wrap_angle(float(mean[2]))
-        return mean, F @ last.covariance @ F.T + Q
+        means, covariances = _predicted([self], [last], now)
+        return means[0], covariances[0]
 
-    def _update(self, chair: Instant, measurement: Measurement, mean: Array, P: Array) -> None:
-        """`mean` and `P`: as predicted for `chair`, from the last state."""
-        gain = np.linalg.solve(P[:3, :3] + measurement.covariance, P[:3, :]).T
-        mean = mean + gain @ difference(measurement.pose, mean[:3])
+    def _later(self, stamp: float) -> list[State]:
+        """The states after `stamp`, the oldest first."""
+        return list(takewhile(lambda state: state.instant.stamp > stamp, reversed(self.states)))[::-1]
+
+    def _drop_after(self, stamp: float) -> None:
+        while self.states[-1].instant.stamp > stamp:
+            self.states.pop()
+
+    def _drop_old(self, newest: float) -> None:
+        oldest = newest - self._parameters.buffer_duration
+        while len(self.states) > _KEPT and self.states[0].instant.stamp < oldest:
+            self.states.popleft()
+
+
+def take_together(filters: Sequence[DockFilter], chair: Instant, offered: list[Measurement]) -> list[Look]:
+    """`DockFilter.take` of each; what filters that fused the same images last have in common is computed once, and the
+    rest for all of them in one array, to the same bits."""
+    laters = [each._later(chair.stamp) for each in filters]
+    befores = [each.states[-1 - len(later)] for each, later in zip(filters, laters, strict=True)]
+    groups: dict[tuple[int, ...], list[int]] = {}  # by the instants that they are at, were at and will be at
+    for index, (before, later) in enumerate(zip(befores, laters, strict=True)):
+        groups.setdefault((id(before.instant), *(id(state.instant) for state in later)), []).append(index)
+    looks: dict[int, Look] = {}
+    for group in groups.values():
+        those = [filters[i] for i in group]
+        means, covariances = _predicted(those, [befores[i] for i in group], chair)
+        gate = those[0]._parameters.gate  # and what else they do not differ in
+        best = likeliest(offered, means[:, :3], covariances[:, :3, :3], those[0]._calibration, gate)
+        passed = [k for k, (innovation, _) in enumerate(best) if not innovation.nis > gate]
+        if passed:
+            fusing = [those[k] for k in passed]
+            for each in fusing:
+                each._drop_after(chair.stamp)
+            _update(fusing, chair, [best[k][1] for k in passed], means[passed], covariances[passed])
+            for again in zip(*(laters[group[k]] for k in passed), strict=True):
+                expected = _predicted(fusing, [each.states[-1] for each in fusing], again[0].instant)
+                _update(fusing, again[0].instant, [state.measurement for state in again], *expected)
+            for each in fusing:
+                each._drop_old(chair.stamp)
+        for k, index in enumerate(group):
+            innovation, fused = best[k][0], k in passed
+            likelihood = max(_LOG_OUTLIER, innovation.log_likelihood) if fused else _LOG_OUTLIER
+            looks[index] = Look(innovation, fused, likelihood)
+    return [looks[index] for index in range(len(filters))]
+
+
+def _predicted(filters: Sequence[DockFilter], lasts: Sequence[State], now: Instant) -> tuple[Array, Array]:
+    """Means (k, 7) and covariances (k, 7, 7) at `now`, of k filters whose last states are of one instant."""
+    means = np.array([last.mean for last in lasts])
+    F, Q = transitions([each._drift for each in filters], means, lasts[0].instant, now)
+    means = (F @ means[:, :, None])[:, :, 0]
+    for mean in means:
         mean[2] = wrap_angle(float(mean[2]))
-        keep = _I.copy()
-        keep[:, :3] -= gain
-        covariance = keep @ P @ keep.T + gain @ measurement.covariance @ gain.T  # Joseph's form stays symmetric
-        self.states.append(State(chair, mean, covariance, measurement))
+    return means, F @ np.array([last.covariance for last in lasts]) @ F.transpose(0, 2, 1) + Q
+
+
+def _update(
+    filters: Sequence[DockFilter], chair: Instant, measurements: list[Measurement], means: Array, P: Array
+) -> None:
+    """New states of k filters; `means` (k, 7) and `P` (k, 7, 7): as predicted for `chair`, from the last states."""
+    noise = np.array([measurement.covariance for measurement in measurements])
+    gain = np.linalg.solve(P[:, :3, :3] + noise, P[:, :3, :]).transpose(0, 2, 1)
+    off = np.array([difference(one.pose, mean[:3]) for one, mean in zip(measurements, means, strict=True)])
+    means = means + (gain @ off[:, :, None])[:, :, 0]
+    keep = np.zeros_like(P)
+    keep[:] = _I
+    keep[:, :, :3] -= gain
+    # Joseph's form stays symmetric.
+    covariances = keep @ P @ keep.transpose(0, 2, 1) + gain @ noise @ gain.transpose(0, 2, 1)
+    for each, mean, covariance, measurement in zip(filters, means, covariances, measurements, strict=True):
+        mean[2] = wrap_angle(float(mean[2]))
+        each.states.append(State(chair, mean, covariance, measurement))

@@ -78,20 +78,26 @@ class Fusion:
 
 
 def likeliest(
-    offered: list[Measurement], pose: Array, covariance: Array, common: Array, gate: float
-) -> tuple[Innovation, Measurement]:
-    """Of the poses that one image leaves open the one with the smallest NIS + ln det S - 2 ln(weight).
+    offered: list[Measurement], poses: Array, covariances: Array, common: Array, gate: float
+) -> list[tuple[Innovation, Measurement]]:
+    """For each of k filters: of the poses that one image leaves open the one with the smallest
+    NIS + ln det S - 2 ln(weight).
 
-    `pose` (3,) and `covariance` (3, 3) are of the expected pose; S is the latter, plus the measurement's own, plus
-    `common`.
+    `poses` (k, 3) and `covariances` (k, 3, 3) are of the expected pose; S is the latter, plus the measurement's own,
+    plus `common`.
     """
-    scored = []
+    found: list[tuple[float, Innovation, Measurement] | None] = [None] * len(poses)
     for measurement in offered:
-        S = covariance + measurement.covariance + common
-        value = difference(measurement.pose, pose)
-        nis = float(value @ np.linalg.solve(S, value))
-        log_det = float(np.linalg.slogdet(S)[1])
-        innovation = Innovation(value=value, covariance=S, nis=nis, gate=gate, log_det=log_det)
-        scored.append((nis + log_det - 2.0 * math.log(measurement.weight), innovation, measurement))
-    _, innovation, best = min(scored, key=lambda entry: entry[0])
-    return innovation, best
+        S = covariances + measurement.covariance + common
+        values = np.array([difference(measurement.pose, pose) for pose in poses])
+        nis = (values[:, None, :] @ np.linalg.solve(S, values)[:, :, None])[:, 0, 0]
+        log_det = np.linalg.slogdet(S)[1]
+        favour = 2.0 * math.log(measurement.weight)
+        for i, known in enumerate(found):
+            score = float(nis[i]) + float(log_det[i]) - favour
+            if known is None or score < known[0]:
+                innovation = Innovation(
+                    value=values[i], covariance=S[i], nis=float(nis[i]), gate=gate, log_det=float(log_det[i])
+                )
+                found[i] = score, innovation, measurement
+    return [(entry[1], entry[2]) for entry in found if entry is not None]

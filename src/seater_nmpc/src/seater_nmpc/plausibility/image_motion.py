@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_common.se2 import relative, transform_points, wrap_angles
+from seater_common.se2 import relative, wrap_angles
 from seater_nmpc.observe.measurement import Measurement
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import PlausibilityParameters
@@ -52,8 +52,10 @@ def speeds_by_images(shown: Shown, middle: Array, fewest: int = _FEWEST) -> Imag
     last = window[-1][0]
     best = [max(offered, key=lambda measurement: measurement.weight) for _, offered in window]
     times = np.array([instant.stamp for instant, _ in window])
-    places = np.array([transform_points(one.pose, middle[None, :])[0] for one in best])
-    sds = _sds(best, middle)
+    poses, cosines, sines = _poses(best)
+    turns = np.stack([cosines, sines, -sines, cosines], axis=1).reshape(-1, 2, 2)  # rotations, transposed
+    places = (middle @ turns) + poses[:, :2]
+    sds = _sds(best, cosines, sines, middle)
     x, y, _ = relative(last.pose, [*places[-1], 0.0]).tolist()
     slopes = _slopes(times, places, sds, best)
     if slopes is None or x < _NEAREST:
@@ -108,14 +110,19 @@ def _by_odometry(first: Instant, last: Instant) -> tuple[float, float]:
     return math.copysign(math.hypot(x, y), x) / duration, turn / duration
 
 
-def _sds(best: list[Measurement], middle: Array) -> Array:
-    """Standard deviation of where each measurement shows the middle of the markers, the larger one, (n,) [m]."""
-    headings = [float(one.pose[2]) for one in best]
+def _poses(best: list[Measurement]) -> tuple[Array, Array, Array]:
+    """Poses (n, 3), and cosine and sine of their headings, (n,)."""
+    poses = np.array([one.pose for one in best])
+    headings = poses[:, 2].tolist()
+    return poses, np.array([math.cos(one) for one in headings]), np.array([math.sin(one) for one in headings])
+
+
+def _sds(best: list[Measurement], c: Array, s: Array, middle: Array) -> Array:
+    """Standard deviation of where each measurement shows the middle of the markers, the larger one, (n,) [m]; `c` and
+    `s`: cosine and sine of its heading."""
     J = np.zeros((len(best), 2, 3))
     J[:, 0, 0] = J[:, 1, 1] = 1.0
-    for place, heading in zip(J, headings, strict=True):
-        c, s = math.cos(heading), math.sin(heading)
-        place[0, 2], place[1, 2] = -s * middle[0] - c * middle[1], c * middle[0] - s * middle[1]
+    J[:, 0, 2], J[:, 1, 2] = -s * middle[0] - c * middle[1], c * middle[0] - s * middle[1]
     P = J @ np.array([one.covariance for one in best]) @ J.transpose(0, 2, 1)
     return np.asarray(np.sqrt(np.linalg.eigvalsh(P)[:, -1]))
 
@@ -130,7 +137,7 @@ def _slopes(times: Array, places: Array, sds: Array, best: list[Measurement]) ->
     kept = np.nonzero(~np.eye(n, dtype=bool))[1].reshape(n, n - 1)  # row i: all but the i-th
     t, there = times[kept], places[kept]  # (n, n - 1) and (n, n - 1, 3)
     t, there = t - t.mean(axis=1)[:, None], there - there.mean(axis=1)[:, None, :]
-    slopes = np.array([one @ place / float(one @ one) for one, place in zip(t, there, strict=True)])
+    slopes = (t[:, None, :] @ there)[:, 0, :] / (t[:, None, :] @ t[:, :, None])[:, 0, :]
     left = there - t[:, :, None] * slopes[:, None, :]
     off = np.stack([np.hypot(left[..., 0], left[..., 1]), np.abs(left[..., 2])], axis=2)
     fits = np.all(off <= allowed[kept], axis=(1, 2))

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from seater_common.geometry import CameraMount, Dock
 from seater_common.se2 import relative, transform_points, wrap_angle
-from seater_nmpc.observe.drift import SIZE, Drift
+from seater_nmpc.observe.drift import SIZE, Drift, transitions
 from seater_nmpc.observe.measurement import Measurement, difference
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import ObserverParameters
@@ -121,9 +121,10 @@ class Installation:
         if chair.stamp <= self._last.stamp or (driven < _STEP[0] and turned < _STEP[1]):
             return
         castors = self._castors.noise(self._last, chair, known)
-        for i, drift in enumerate(self._drifts):
+        docks = np.array([mean[:3] for mean in self._mean])
+        for i, (moved, noise) in enumerate(zip(*transitions(self._drifts, docks, self._last, chair), strict=True)):
             F, Q = np.eye(_ALL), np.zeros((_ALL, _ALL))
-            F[:SIZE, :SIZE], Q[:SIZE, :SIZE] = drift.transition(self._mean[i][:SIZE], self._last, chair)
+            F[:SIZE, :SIZE], Q[:SIZE, :SIZE] = moved, noise
             Q[:3, :3] += castors
             mean = F @ self._mean[i]
             # The step is along the tangent of the dock's circle round the chair; steps of a gyro's bias add up.

@@ -53,7 +53,12 @@ class Walls:
     def distance(self, pose: ArrayLike) -> float:
         """Smallest distance [m]; negative when something overlaps. Obstacles whose circle is farther than what was
         nearest so far are skipped."""
-        nearest = clearance(self._chair, self._bay, pose)
+        return self._to_obstacles(pose, clearance(self._chair, self._bay, pose))
+
+    def _to_obstacles(self, pose: ArrayLike, nearest: float) -> float:
+        """The smaller one of `nearest` [m] and the distance of the obstacles."""
+        if not self._obstacles:
+            return nearest
         corners, (px, py, _) = self._chair.corners_at(pose), np.asarray(pose, dtype=float).tolist()
         for outline, (x, y, radius) in zip(self._obstacles, self._circles, strict=True):
             if math.hypot(x - px, y - py) - radius - self._reach < nearest:
@@ -81,9 +86,7 @@ class Walls:
             for wx, wy in ((x0, y0), (x1, y0), (x1, y1), (x0, y1)):
                 dx, dy = wx - x, wy - y
                 nearest = min(nearest, _from_box(c * dx + s * dy, c * dy - s * dx, rear, front, -half, half))
-        if nearest == 0.0 or self._obstacles:
-            return self.distance(pose)
-        return math.sqrt(nearest)
+        return self.distance(pose) if nearest == 0.0 else self._to_obstacles(pose, math.sqrt(nearest))
 
 
 def _from_box(x: float, y: float, x0: float, x1: float, y0: float, y1: float) -> float:
