@@ -24,6 +24,13 @@ def installation(tmp_path: Path) -> Installation:
     return made
 
 
+def test_the_next_step_is_named_as_it_is_typed(installation: Installation, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("SEATER_COMMAND", raising=False)
+    assert installation.next().startswith("./seater sheets ")
+    monkeypatch.setenv("SEATER_COMMAND", "seater")
+    assert installation.next().startswith("seater sheets ")
+
+
 def put(installation: Installation, role: str, text: str) -> list[str]:
     new = installation.folder / "work" / "new.yaml"
     new.parent.mkdir(exist_ok=True)

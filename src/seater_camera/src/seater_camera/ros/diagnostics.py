@@ -10,7 +10,9 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from seater_camera.clock.stamps import Stamper
 from seater_camera.frames import Clock
 from seater_camera.stream import Stream
+from seater_common.files.typed import as_typed
 
+_NOT_CALIBRATED = "not calibrated: ./seater calibrate camera, then camera_file:=FILE"
 _MANY = 0.02  # share of images that the camera leaves out, from which on it is said
 
 
@@ -24,7 +26,7 @@ def write_status(status: DiagnosticStatusWrapper, stream: Stream, stamper: Stamp
     elif report.dropped > _MANY * (report.rate + report.dropped):
         status.summary(DiagnosticStatus.WARN, "the camera leaves images out: USB 3, its own port, a smaller format?")
     elif stream.lens_origin == "none":
-        status.summary(DiagnosticStatus.WARN, "not calibrated: ./seater calibrate camera, then camera_file:=FILE")
+        status.summary(DiagnosticStatus.WARN, as_typed(_NOT_CALIBRATED))
     elif not stream.exposure_works:
         status.summary(DiagnosticStatus.WARN, "the camera does not take its exposure: set exposure/mode to device")
     elif stream.exposure is not None and stream.exposure.too_dark:

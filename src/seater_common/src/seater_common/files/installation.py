@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from seater_common.files.typed import as_typed
 from seater_common.files.whole import replace_kept, write_whole
 
 # Role to the shipped file, below the folder of seater_config, that it begins as. The lens comes from its calibration.
@@ -111,7 +112,7 @@ class Installation:
         done = self.done()
         done["lens calibrated"] |= done["mount calibrated"]
         how = next((step.how for step in STEPS if not done[step.name]), DONE)
-        return how.replace("{}", shlex.quote(str(self.folder.resolve())))  # for nodes, which run elsewhere
+        return as_typed(how).replace("{}", shlex.quote(str(self.folder.resolve())))  # for nodes, which run elsewhere
 
     def _forget(self, role: str, mark: str) -> bool:
         """Take the line with this mark out of the file; False: there was none."""
@@ -154,7 +155,7 @@ def use(options: argparse.Namespace, parser: argparse.ArgumentParser, roles: Map
     if installation.missing:
         parser.error(
             f"--installation: {options.installation} has no {installation.missing[0]}.yaml; "
-            f"./seater installation {options.installation} makes what is missing"
+            + as_typed(f"./seater installation {options.installation} makes what is missing")
         )
     values: dict[str, Any] = {"results": options.installation / work, "force": True}
     for name, role in roles.items():

@@ -91,7 +91,7 @@ def _watch(options: argparse.Namespace, setup: Setup) -> Live:
     if not options.move:
         return live
     if setup.chair is None or setup.dock is None:
-        raise ParameterError("--move: chair and dock file must be in order first (./seater doctor without it)")
+        raise ParameterError("--move: chair and dock file must be in order first (try without it)")
     from seater_tools.ros.doctor_move import Mover
 
     turn = math.radians(options.turn)

@@ -25,6 +25,7 @@ BUSY = 0.9  # share of the processors beyond which control cycles come late
 OFF_CENTRE = 0.12
 VIEWS = (20.0, 130.0)  # [deg] horizontal angle of view of lenses in use
 BEHIND = 0.02  # [m] behind the back wall that a print may hang by the file: walls are measured to a centimetre
+REBUILD = "beside the sources: setup, then build; the Debian package: apt install --reinstall seater"
 QUIET = 1.0 / 6.0  # of the side: the white margin of one cell round a print of 4 x 4 cells
 
 
@@ -32,7 +33,7 @@ def packages(observations: Observations) -> Verdict:
     """Everything that the launch files start is there."""
     missing = observations.machine.missing
     if missing:
-        return wrong("packages", f"not found: {', '.join(missing)}", "./seater setup, then ./seater build")
+        return wrong("packages", f"not found: {', '.join(missing)}", REBUILD)
     return good("packages", "all found")
 
 

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from seater_common.files.typed import as_typed
 from seater_tools.doctor.observations import Observations
 from seater_tools.doctor.verdict import Verdict
 
@@ -19,7 +20,10 @@ KINDS = {True: "ok", False: "wrong", None: "not judged"}
 def describe(verdicts: Sequence[Verdict]) -> str:
     """One line for each, the remedy behind an arrow; a sum at the end."""
     width = max(len(verdict.name) for verdict in verdicts)
-    lines = [f"{MARKS[v.ok]} {v.name:<{width}}  {v.what}" + (f"  -> {v.remedy}" if v.remedy else "") for v in verdicts]
+    lines = [
+        f"{MARKS[v.ok]} {v.name:<{width}}  {v.what}" + (f"  -> {as_typed(v.remedy)}" if v.remedy else "")
+        for v in verdicts
+    ]
     return "\n".join([*lines, "", summary(verdicts)])
 
 
@@ -35,7 +39,9 @@ def as_json(verdicts: Sequence[Verdict], observations: Observations) -> str:
         "ok": all(verdict.ok is not False for verdict in verdicts),
         "running": observations.live is not None,
         "versions": dict(observations.machine.versions),
-        "checks": [{"name": v.name, "result": KINDS[v.ok], "what": v.what, "remedy": v.remedy} for v in verdicts],
+        "checks": [
+            {"name": v.name, "result": KINDS[v.ok], "what": v.what, "remedy": as_typed(v.remedy)} for v in verdicts
+        ],
     }
     return json.dumps(content, indent=1)
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from tabulate import tabulate
 
+from seater_common.files.typed import as_typed
 from seater_nmpc.sequence.goal.results import ResultCode
 from seater_tools.history.docking import Docking
 from seater_tools.history.trends import SERIES, Notice
@@ -25,7 +26,7 @@ def describe(dockings: Sequence[Docking], notices: Sequence[Notice], last: int) 
     lines = [tabulate(rows, HEAD, floatfmt=".1f", missingval="-"), "", _trends(dockings)]
     good = sum(docking.success for docking in dockings)
     lines += ["", f"{dockings[-1].dock}: {len(dockings)} dockings, {good} docked"]
-    lines += [f"\u2718 {notice.text}  -> {notice.remedy}" for notice in notices] or ["\u2714 no drift"]
+    lines += [f"\u2718 {notice.text}  -> {as_typed(notice.remedy)}" for notice in notices] or ["\u2714 no drift"]
     return "\n".join(lines)
 
 

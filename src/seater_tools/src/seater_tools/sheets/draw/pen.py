@@ -13,6 +13,7 @@ from reportlab.pdfbase import pdfmetrics
 from reportlab.pdfbase.ttfonts import TTFont
 from reportlab.pdfgen.canvas import Canvas
 
+from seater_common.files.typed import as_typed
 from seater_tools.sheets.layout.rect import Rect
 
 FONTS = {"DejaVuSans": "DejaVuSans.ttf", "DejaVuSans-Bold": "DejaVuSans-Bold.ttf"}
@@ -113,6 +114,7 @@ class Pen:
     ) -> None:
         """One line, its base line at y. `size` in points; `align`: left, middle, right; `fit`: [mm] becomes smaller to
         be no wider; `turned`: reads upwards; `clear`: on white, whatever was drawn there."""
+        words = as_typed(words)
         font = "DejaVuSans-Bold" if bold else "DejaVuSans"
         if fit is not None:
             size = max(SMALLEST, min(size, size * fit / max(self.width(words, size, bold), 1e-6)))
