@@ -48,7 +48,7 @@ def describe(r: Repeatability) -> str:
         f"{head}\n\n{table}\n\n"
         f"accuracy (AP, distance of the mean from the dock): {_MM * r.accuracy:.2f} mm\n"
         f"repeatability (RP, mean + 3 sd of the distances from the mean): {shown}\n"
-        f"of which the images' own noise, as the chair states it: {_MM * r.noise:.2f} mm (sd)"
+        f"how sure the chair itself was, errors of the installation included: {_MM * r.stated_sd:.2f} mm (sd)"
     )
 
 

@@ -47,7 +47,7 @@ class Repeatability:
     duration: Spread | None  # [s]
     accuracy: float  # AP [m]
     repeatability: float  # RP [m]; NaN below two dockings
-    noise: float  # [m] mean of the standard deviations that the chair itself states
+    stated_sd: float  # [m] mean of the standard deviations that the chair itself states
 
 
 def repeatability(dockings: Sequence[Docked]) -> Repeatability:
@@ -70,5 +70,5 @@ def repeatability(dockings: Sequence[Docked]) -> Repeatability:
         duration=Spread.of(np.array([d.duration for d in good])) if good else None,
         accuracy=float(np.hypot(*middle)),
         repeatability=float(np.mean(away) + 3.0 * np.std(away, ddof=1)) if many else float("nan"),
-        noise=float(np.mean([d.position_sd for d in good])) if good else float("nan"),
+        stated_sd=float(np.mean([d.position_sd for d in good])) if good else float("nan"),
     )

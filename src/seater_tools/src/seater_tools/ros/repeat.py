@@ -7,6 +7,7 @@ from typing import Any
 
 import actionlib
 import rospy
+from actionlib import CommState
 from actionlib_msgs.msg import GoalStatus
 
 from seater_msgs.msg import DockAction, DockGoal, UndockAction, UndockGoal
@@ -16,7 +17,6 @@ from seater_tools.repeat.session import Docked, Undocked
 CONNECT = 5.0  # [s] for the docking node to answer
 STAND = 5.0  # [s] for a cancelled goal to end
 _POLL = 0.05  # [s] on the wall
-_OVER = (GoalStatus.PENDING, GoalStatus.ACTIVE, GoalStatus.PREEMPTING, GoalStatus.RECALLING)
 
 
 class NoChairError(RuntimeError):
@@ -58,7 +58,7 @@ class RunningChair:
         return Undocked(code=r.result_code, text=r.result_text)
 
     def _client(self, name: str, kind: Any) -> Any:
-        client = actionlib.SimpleActionClient(name, kind)
+        client = actionlib.ActionClient(name, kind)
         end = time.monotonic() + CONNECT
         while not client.wait_for_server(rospy.Duration.from_sec(_POLL)):
             if time.monotonic() > end or rospy.is_shutdown():
@@ -67,22 +67,23 @@ class RunningChair:
 
     def _ask(self, client: Any, goal: Any) -> Any:
         """The result; None: rejected. Interrupted, it cancels the goal and waits until the chair has been stopped."""
-        client.send_goal(goal)
+        handle = client.send_goal(goal)
         try:
-            self._wait(client, None)
+            self._wait(client, handle, None)
         except BaseException:
-            client.cancel_goal()
-            self._wait(client, STAND)
+            handle.cancel()
+            self._wait(client, handle, STAND)
             raise
-        return None if client.get_state() == GoalStatus.REJECTED else client.get_result()
+        return None if handle.get_goal_status() == GoalStatus.REJECTED else handle.get_result()
 
-    def _wait(self, client: Any, longest: float | None) -> None:
+    def _wait(self, client: Any, handle: Any, longest: float | None) -> None:
+        """Until the result has come: the status may be final before."""
         end = None if longest is None else time.monotonic() + longest
         silent = 0
-        while client.get_state() in _OVER and (end is None or time.monotonic() < end):
+        while handle.get_comm_state() != CommState.DONE and (end is None or time.monotonic() < end):
             if rospy.is_shutdown():
                 raise NoChairError("ROS was shut down")
-            silent = 0 if client.action_client.status_sub.get_num_connections() else silent + 1
+            silent = 0 if client.status_sub.get_num_connections() else silent + 1
             if silent > CONNECT / _POLL:
                 raise NoChairError("the docking node is gone; the safety gate holds zero")
             time.sleep(_POLL)
