@@ -52,6 +52,8 @@ def test_a_known_optimum_is_found_beside_what_is_forbidden(tmp_path: Path) -> No
     # Of 40 trials at random the best is on average 0.23 above the forbidden border's 0.05.
     assert found.verdict.score < 0.15
     assert min(trial.verdict.score for trial in trials) < found.verdict.score  # what is better is forbidden
+    # Of the last 20 trials 12 to 15 are allowed (three seeds); 4 to 6 where the sampler knows nothing of it.
+    assert sum(trial.verdict.allowed for trial in trials[20:]) >= 9
 
 
 def test_an_interrupted_search_goes_on_as_it_would_have_gone(tmp_path: Path) -> None:
@@ -102,6 +104,8 @@ def test_quicker_and_smoother_is_better_and_a_lost_docking_is_not_allowed() -> N
     lost = compare(before, measures(time=13.0, lost=1), TOLERANCE)
     assert not lost.better and lost.now.violations["docked"] == 1.0
     assert judge(measures(lost=20), before, TOLERANCE).score == LOST
+    assert judge(replace(before, touched=1), before, TOLERANCE).violations["touched"] == 1.0
+    assert not judge(replace(before, heading_p95=0.51), before, TOLERANCE).allowed  # [deg] beyond half the tolerance
     assert judge(measures(error=0.0051), before, TOLERANCE).violations["final position"] == pytest.approx(0.02)
     assert judge(measures(error=0.0061), measures(error=0.006), TOLERANCE).violations["final position"] > 0.0
 
