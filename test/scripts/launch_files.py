@@ -42,8 +42,11 @@ class LaunchFiles(unittest.TestCase):
 
     def test_wheelchair_has_no_simulator(self) -> None:
         self.assertEqual(
-            nodes("wheelchair.launch"), {"/marker_detector", "/docking", "/safety_gate", "/camera_tf", "/history"}
+            nodes("wheelchair.launch"),
+            {"/marker_detector", "/docking", "/safety_gate", "/camera_tf", "/history", "/docking_bags"},
         )
+        self.assertNotIn("/docking_bags", nodes("wheelchair.launch", "docking_bags:=none"))
+        self.assertIn("/metrics", nodes("wheelchair.launch", "metrics:=9187"))
         self.assertNotIn("/history", nodes("wheelchair.launch", "history:=none"))
         self.assertNotIn("/camera_tf", nodes("wheelchair.launch", "publish_camera_tf:=false"))
         self.assertNotIn("/use_sim_time", parameters("wheelchair.launch"))

@@ -54,6 +54,7 @@ def test_pages_that_the_code_mentions_exist() -> None:
         "src/**/*.cpp",
         "src/**/*.launch",
         "src/*/nodes/*",
+        "src/*/evaluation/*",
         "tools/*",
         "config/**/*.yaml",
     )

@@ -13,7 +13,7 @@ MANIFESTS = sorted(p for folder in ("src/*", "config", "test") for p in ROOT.glo
 # Modules whose dependency has another name than they.
 DEBIAN = {name: f"python3-{name}" for name in ("numpy", "scipy", "yaml", "matplotlib", "rospkg", "tqdm", "tabulate")}
 DEBIAN |= {"cv2": "python3-opencv", "mpl_toolkits": "python3-matplotlib", "reportlab": "python3-reportlab"}
-DEBIAN |= {"aiohttp": "python3-aiohttp"}
+DEBIAN |= {"aiohttp": "python3-aiohttp", "prometheus_client": "python3-prometheus-client"}
 
 
 def manifest(path: Path) -> ElementTree.Element:
@@ -30,7 +30,8 @@ def pinned() -> set[str]:
 def imports(package: Path) -> dict[str, Path]:
     """Top-level modules that production code imports, each with a file that does."""
     found: dict[str, Path] = {}
-    files = [*package.glob("src/**/*.py"), *(f for f in package.glob("nodes/*") if f.is_file())]
+    programs = [*package.glob("nodes/*"), *(f for f in package.glob("evaluation/*") if f.suffix == "")]
+    files = [*package.glob("src/**/*.py"), *(f for f in programs if f.is_file())]
     for path in files:
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.Import):

@@ -46,6 +46,9 @@ def parser(description: str | None) -> argparse.ArgumentParser:
     made.add_argument(
         "--minimum-time", action="store_true", help="compare with the shortest possible time (seconds a run)"
     )
+    made.add_argument(
+        "--no-images", action="store_true", help="draw poses of the dock with perception's error instead: much faster"
+    )
     made.add_argument("--workers", type=int, help="processes on this machine (default: one a core)")
     made.add_argument("--shard", default="1/1", metavar="I/N", help="only every N-th case, beginning with the I-th")
     made.add_argument("--scheduler", default="", metavar="ADDRESS", help="of a Dask cluster, e.g. tcp://host:8786")
@@ -75,7 +78,7 @@ def _run(options: argparse.Namespace) -> int:
     if options.merge:
         data = merge([Path(folder) for folder in options.merge[1:]])
         options.campaign, options.told, options.seed = data["name"], data["told"], data["seed"]
-        options.axes = ",".join(data["axes_varied"])
+        options.axes, options.no_images = ",".join(data["axes_varied"]), not data["images"]
         return _report(options, _plan(options, data["runs"], Shard()), data)
     plan = _plan(options, options.runs or (8 if options.quick else 1000), Shard.parse(options.shard))
     if options.replay:
@@ -95,7 +98,7 @@ def _run(options: argparse.Namespace) -> int:
 def _plan(options: argparse.Namespace, runs: int, shard: Shard) -> Plan:
     axes = options.axes.split(",") if options.axes else []
     made = Plan.make(config_folder(options), options.campaign, options.told, options.seed, runs, shard, axes)
-    return replace(made, bound=options.minimum_time)
+    return replace(made, bound=options.minimum_time, images=not options.no_images)
 
 
 def _spread(options: argparse.Namespace) -> Spread:

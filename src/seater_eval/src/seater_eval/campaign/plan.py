@@ -54,6 +54,7 @@ class Plan:
     shard: Shard
     axes: list[str]  # that are varied; empty: all
     bound: bool = False  # the shortest possible times are computed, too
+    images: bool = True  # False: poses are drawn instead
 
     @classmethod
     def make(
@@ -94,7 +95,7 @@ class Plan:
 
     def job_of_seed(self, seed: int, index: int = -1) -> CampaignJob:
         """The case that follows from its own seed."""
-        return CampaignJob(self.files, self.campaign, self.told, seed, index, self.bound)
+        return CampaignJob(self.files, self.campaign, self.told, seed, index, self.bound, self.images)
 
     def dock(self) -> Dock:
         """The default one, for figures of many runs."""
@@ -102,6 +103,6 @@ class Plan:
 
     def key(self, files: Iterable[Path] = ()) -> str:
         """Equal for shards of one campaign: same code, configuration, seed. `files`: what else has to be equal."""
-        inputs = [asdict(self.files), asdict(self.campaign), self.told, self.seed, self.bound]
+        inputs = [asdict(self.files), asdict(self.campaign), self.told, self.seed, self.bound, self.images]
         text = json.dumps(inputs, sort_keys=True, default=str)
         return hashlib.sha256((text + fingerprint(None, files)).encode()).hexdigest()

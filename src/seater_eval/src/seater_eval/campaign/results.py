@@ -21,6 +21,7 @@ def campaign_data(plan: Plan, rows: Sequence[Mapping[str, Any]]) -> dict[str, An
     return {
         "name": plan.name,
         "told": plan.told,
+        "images": plan.images,
         "seed": plan.seed,
         "runs": plan.runs,
         "shard": str(plan.shard),
@@ -60,7 +61,8 @@ def merge(folders: Sequence[Path]) -> dict[str, Any]:
             raise ParameterError(f"merge: {path} is of another campaign than {paths[0]}: {', '.join(different)} differ")
     rows = sorted((row for shard in shards for row in shard["rows"]), key=lambda row: row["index"])
     _check_complete([row["index"] for row in rows], first["runs"])
-    kept = {name: first[name] for name in ("name", "told", "seed", "runs", "key", "settings", "axes", "axes_varied")}
+    names = ("name", "told", "images", "seed", "runs", "key", "settings", "axes", "axes_varied")
+    kept = {name: first[name] for name in names}
     return {**kept, "shard": "1/1", "summary": summarize(rows), "rows": rows}
 
 

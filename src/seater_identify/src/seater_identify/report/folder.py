@@ -11,7 +11,7 @@ from pathlib import Path
 from seater_common.geometry import Chair
 from seater_identify.record.recording import Recording
 from seater_identify.report.figures import draw_all
-from seater_identify.report.files import CONTROLLER, KeyPathError, chair_values, controller_values, write_copy
+from seater_identify.report.files import CONTROLLER, chair_values, controller_values, write_copy
 from seater_identify.report.table import write_json
 from seater_identify.result.identify import Identification
 
@@ -32,8 +32,10 @@ def copies(folder: Path) -> dict[str, Path]:
 def write_folder(
     result: Identification, recording: Recording, chair: Chair, sources: Sources, folder: Path, note: str
 ) -> Sequence[Path]:
-    """The files written. `note`: what was recorded, for the first line of the new controller.yaml. Raises KeyPathError,
-    after all else is written, when controller.yaml lacks a key."""
+    """The files written. `note`: what was recorded, for the first line of the new controller.yaml.
+
+    Raises ParameterError, after all else is written, when controller.yaml lacks a key.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     files = [write_json(result, folder / "identification.json"), *draw_all(result, recording, folder)]
     limits = dataclasses.asdict(chair.limits)
@@ -44,6 +46,3 @@ def write_folder(
     kept = f"; not shown, as before: {', '.join(refused)}" if refused else ""
     files.append(write_copy(sources.controller, new["controller"], values, f"{datetime.date.today()}, {note}{kept}"))
     return files
-
-
-__all__ = ["KeyPathError", "Sources", "write_folder"]

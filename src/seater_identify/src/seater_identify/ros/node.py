@@ -22,11 +22,10 @@ from std_srvs.srv import Trigger, TriggerResponse
 from seater_common.files.installation import Installation
 from seater_common.geometry import Chair, planar_pose
 from seater_common.messages import matrix_of_pose
-from seater_common.params import load
+from seater_common.params import ParameterError, load
 from seater_identify.drive.driver import Driver, DriveState
 from seater_identify.record.bag import dock_row, make_recording
 from seater_identify.record.recording import RecordingError
-from seater_identify.report.files import KeyPathError
 from seater_identify.report.folder import Sources, copies, write_folder
 from seater_identify.report.table import describe
 from seater_identify.result.identify import identify
@@ -148,7 +147,7 @@ class IdentifyNode:
             rospy.loginfo("written:\n%s", "\n".join(map(str, files)))
             if result.found:
                 self._install()
-        except (RecordingError, KeyPathError, OSError) as error:
+        except (RecordingError, ParameterError, OSError) as error:
             rospy.logerr("%s", error)
         rospy.signal_shutdown("identification has ended")
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import yaml
 
+from seater_common.files.scalars import replaced, written
 from seater_common.params import ParameterError
-from seater_tools.edit.scalars import replaced, written
 
 CORRECTED = "# Sizes of the markers as printed: "  # how the first line of a copy begins
 

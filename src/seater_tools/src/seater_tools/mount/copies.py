@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from seater_common.files.installation import MOUNT
+from seater_common.files.scalars import with_note, with_values
 from seater_common.geometry import Dock
 from seater_tools.correct.sizes import CORRECTED
-from seater_tools.edit.scalars import with_note, with_values
 from seater_tools.mount.result import Calibration
 from seater_tools.teach.dock import without_teaching
 

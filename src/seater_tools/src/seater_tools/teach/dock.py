@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.files.installation import TAUGHT
+from seater_common.files.scalars import Path, with_values
 from seater_common.geometry import Dock
 from seater_common.se2 import compose, inverse, transform_points, wrap_angle
 from seater_tools.correct.sizes import CORRECTED
-from seater_tools.edit.scalars import Path, with_values
 from seater_tools.teach.measure import Measurement, TeachError
 
 Array = NDArray[np.float64]

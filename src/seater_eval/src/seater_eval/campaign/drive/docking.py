@@ -15,7 +15,9 @@ from seater_common.se2 import compose, inverse, relative, wrap_angle
 from seater_eval.campaign.drive import tools
 from seater_eval.campaign.drive.chain import Gate, Perception
 from seater_eval.campaign.drive.trace import Clock, Trace
+from seater_eval.campaign.drive.without_images import PoseSensor
 from seater_eval.campaign.setup.configuration import Configuration
+from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import NmpcParameters
@@ -42,12 +44,14 @@ class ImageDocking:
         *,
         require_contact: bool = True,
         rough_pose: ArrayLike | None = None,
+        images: bool = True,
     ) -> None:
         """Args:
         parameters: what the controller, observer and sequence are told.
         start: base_link in the true dock frame, (x [m], y [m], heading [rad]).
         seed: of plant, odometry and image noise.
         rough_pose: of the dock in its own true frame; comes with the goal.
+        images: False: nothing is rendered nor detected, poses are drawn (see without_images).
 
         Raises ValueError (ParameterError among them) where a node would refuse to start.
         """
@@ -70,8 +74,9 @@ class ImageDocking:
                 navigator=navigator,
                 plausibility=parameters.plausibility,
             )
-            self.perception, self.gate = Perception(c), Gate(c.chair, c.safety)
-            camera = tools.camera(c)
+            self.gate = Gate(c.chair, c.safety)
+            self._eyes = Perception(c) if images else PoseSensor(c, seed)
+            camera = tools.camera(c) if images else None
             self.simulator = Simulator(
                 c.simulator, c.simulated_chair, c.simulated_dock, c.simulated_camera, start, seed=seed, camera=camera
             )
@@ -150,14 +155,23 @@ class ImageDocking:
         """An image that is none (an event says so) reaches nobody: the nodelet is silent about it."""
         if image.mode != GOOD:
             return
-        with self._timed("render"):
-            pixels = image.render()
-        with self._timed("detect"):
-            hypotheses, markers = self.perception.detect(grey(pixels))
+        hypotheses, markers, count = self._look(image)
         with self._timed("control"):
             fusion = self.sequence.add_detections(image.stamp_ns / NANOSECONDS, hypotheses, markers)
         taken = (image.stamp_ns - self._begin_ns) / NANOSECONDS
-        self.trace.image_rows.append((taken, float(len(markers)), float(fusion.outcome)))
+        self.trace.image_rows.append((taken, float(count), float(fusion.outcome)))
+
+    def _look(self, image: SimulatedImage) -> tuple[list[Hypothesis], list[MarkerSight], int]:
+        """The dock's possible poses, the markers (none without images), and how many are seen."""
+        if isinstance(self._eyes, PoseSensor):
+            with self._timed("detect"):
+                hypotheses, count = self._eyes.measure(image)
+            return hypotheses, [], count
+        with self._timed("render"):
+            pixels = image.render()
+        with self._timed("detect"):
+            hypotheses, markers = self._eyes.detect(grey(pixels))
+        return hypotheses, markers, len(markers)
 
     def _record(self) -> None:
         truth = self.simulator.truth

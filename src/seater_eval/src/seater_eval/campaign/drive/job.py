@@ -47,6 +47,7 @@ class CampaignJob:
     seed: int  # the case's own
     index: int
     bound: bool = False  # the shortest possible time is computed, too
+    images: bool = True  # False: poses are drawn, see without_images
 
 
 def run_case(job: CampaignJob) -> dict[str, Any]:
@@ -108,11 +109,10 @@ def _begun(job: CampaignJob) -> dict[str, Any]:
 def prepare(job: CampaignJob, case: Case) -> Started:
     """The docking of a case, before its first step. Raises ValueError where a node would refuse to start."""
     c = case.configuration(job.files, job.campaign)
-    start, rough = draw_start(c, case.seed)
+    start, rough = draw_start(c, case.seed, images=job.images)
     parameters = told_parameters(c.parameters, c.simulator, c.simulated_chair, job.told, case.seed)
-    run = ImageDocking(
-        c, parameters, start, case.seed, require_contact=job.campaign.settings.require_contact, rough_pose=rough
-    )
+    contact = job.campaign.settings.require_contact
+    run = ImageDocking(c, parameters, start, case.seed, require_contact=contact, rough_pose=rough, images=job.images)
     return c, run
 
 

@@ -76,7 +76,8 @@ def _head(data: Mapping[str, Any]) -> str:
     factor = "-" if s["realtime_factor"] is None else f"{s['realtime_factor']:.2f}"
     return (
         f"<p><b>{s['docked']} of {s['runs']} docked</b> (95 % interval {100 * low:.1f} .. {100 * high:.1f} %), "
-        f"{s['touched']} touched a wall. Controller told: {escape(data['told'])}. Seed {data['seed']}. "
+        f"{s['touched']} touched a wall. Controller told: {escape(data['told'])}. "
+        f"{'' if data['images'] else 'Poses drawn, no images. '}Seed {data['seed']}. "
         f"{s['simulated_s'] / 3600:.2f} h simulated in {s['core_s'] / 3600:.2f} h of one core ({factor} times real "
         f"time, images rendered and searched).</p><p>Axes: {escape(_axes(data['axes']))}</p>"
     )
@@ -124,7 +125,8 @@ def _run(data: Mapping[str, Any], row: Row, image: str) -> str:
     numbers = ", ".join(f"{key} {value:.4g}" for key, value in row.get("numbers", {}).items())
     variants = ", ".join(f"{axis}: {variant}" for axis, variant in row.get("variants", {}).items())
     axes = f" --axes {','.join(data['axes_varied'])}" if data["axes_varied"] else ""
-    command = f"--campaign {data['name']}{axes} --told {data['told']} --replay seed:{row['seed']}"
+    told = f"--told {data['told']}" + ("" if data["images"] else " --no-images")
+    command = f"--campaign {data['name']}{axes} {told} --replay seed:{row['seed']}"
     return (
         f"<h3>Case {row['index']}: {escape(str(row['result']))}</h3><pre>{escape(str(row['text']))}</pre>"
         f"<p>{escape(variants)}. {escape(numbers)}</p><p><code>docking_campaign {escape(command)}</code></p>{image}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import yaml
@@ -13,22 +13,23 @@ from seater_common.params import ParameterError
 Path = tuple[str | int, ...]  # keys of mappings and places in lists, from the outside
 
 
-def with_values(text: str, values: Mapping[Path, float], name: str) -> str:
-    """The text with these numbers at these paths.
+def with_values(text: str, values: Mapping[Path, float], name: str, write: Callable[[float], str] | None = None) -> str:
+    """The text with these numbers at these paths; `write`: a number's text (`written`).
 
     Raises:
-        ParameterError: naming the key that is not written where it can be replaced.
+        ParameterError: naming every key that is not written where it can be replaced; no YAML; aliases forbid it.
     """
+    write = write or written
     try:
         root = yaml.compose(text)
     except yaml.YAMLError as error:
         raise ParameterError(f"cannot edit {name}: {error}") from error
-    nodes = {path: _node(root, path, name) for path in values}
+    nodes = _nodes(root, values, name)
     edited = text
     places = {nodes[path].end_mark.index: path for path in values}  # aliases share one
     for _, path in sorted(places.items(), reverse=True):
-        edited = replaced(edited, nodes[path], written(values[path]))
-    if yaml.safe_load(edited) != _with(yaml.safe_load(text), values):
+        edited = replaced(edited, nodes[path], write(values[path]))
+    if yaml.safe_load(edited) != _with(yaml.safe_load(text), {path: float(write(v)) for path, v in values.items()}):
         raise ParameterError(f"{name}: values cannot be replaced one by one; write each at its place, without aliases")
     return edited
 
@@ -45,13 +46,26 @@ def written(value: float) -> str:
     return f"{digits}0" if digits.endswith(".") else digits
 
 
-def _node(root: yaml.Node | None, path: Path, name: str) -> yaml.ScalarNode:
-    node = root
-    for part in path:
-        node = _entry(node, part)
-    if not isinstance(node, yaml.ScalarNode):
-        raise ParameterError(f"{name}/{'/'.join(map(str, path))}: is not written there, so it cannot be changed")
-    return node
+def significant(value: float) -> str:
+    """With four significant digits and a decimal point: YAML 1.1 takes 1e-05 for a text."""
+    digits, e, power = f"{value:.4g}".partition("e")
+    return f"{digits}{'' if '.' in digits else '.0'}{e}{power}"
+
+
+def _nodes(root: yaml.Node | None, paths: Iterable[Path], name: str) -> dict[Path, yaml.ScalarNode]:
+    found: dict[Path, yaml.ScalarNode] = {}
+    problems = []
+    for path in paths:
+        node = root
+        for part in path:
+            node = _entry(node, part)
+        if isinstance(node, yaml.ScalarNode):
+            found[path] = node
+        else:
+            problems.append(f"{name}/{'/'.join(map(str, path))}: is not written there, so it cannot be changed")
+    if problems:
+        raise ParameterError("\n  ".join(problems))
+    return found
 
 
 def _entry(node: yaml.Node | None, part: str | int) -> yaml.Node | None:
@@ -78,5 +92,5 @@ def _with(values: Any, changes: Mapping[Path, float]) -> Any:
         place = changed
         for part in path[:-1]:
             place = place[part]
-        place[path[-1]] = float(written(value))
+        place[path[-1]] = value
     return changed

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 import yaml
-from printed import DEFAULT_DOCK
 
+from seater_common.files.scalars import with_values, written
 from seater_common.params import ParameterError
-from seater_tools.edit.scalars import with_values, written
+
+DEFAULT_DOCK = Path(__file__).resolve().parents[3] / "config" / "docks" / "default.yaml"
 
 
 def test_only_the_values_change() -> None:

@@ -1,1 +1,0 @@
-"""Changes of single values in the text of a YAML file."""

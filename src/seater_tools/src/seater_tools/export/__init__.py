@@ -1,0 +1,1 @@
+"""Bags as tables. ROS-free but for the bag itself."""

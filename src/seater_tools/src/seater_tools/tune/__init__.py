@@ -1,0 +1,1 @@
+"""Weights of the controller, searched over a campaign of simulated dockings."""
