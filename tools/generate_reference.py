@@ -24,6 +24,7 @@ from typing import Any
 
 import yaml
 
+from seater_base.deflection.table import DeflectionTable
 from seater_base.settings import BaseSettings
 from seater_camera.settings import CameraSettings
 from seater_common.geometry import Chair, Dock
@@ -146,6 +147,7 @@ def write_page() -> str:
         ("identify.yaml", list(groups_of_dataclass(IdentifySettings, IdentifySettings()))),
         ("safety.yaml", [gate_group()]),
         ("base.yaml", list(groups_of_dataclass(BaseSettings, BaseSettings()))),
+        ("deflection.yaml", list(groups_of_dataclass(DeflectionTable, DeflectionTable()))),
         ("camera.yaml", list(groups_of_dataclass(CameraSettings, CameraSettings()))),
         ("obstacles.yaml", list(groups_of_dataclass(ObstacleSettings, ObstacleSettings()))),
         ("simulator.yaml", list(groups_of_dataclass(SimulatorSettings, SimulatorSettings()))),
@@ -213,7 +215,7 @@ def _shown(value: Any) -> str:
         return str(value).lower()
     if isinstance(value, float):
         return f"{value:.6g}"
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return "(" + ", ".join(_shown(entry) for entry in value) + ")"
     return "" if value is None else str(value)
 
