@@ -60,9 +60,9 @@ def fit(axis: str, pairs: Iterable[Pair], neutral: float) -> AxisTable:
             raise FitError(f"{axis}: from {min(speeds):.3f} to {max(speeds):.3f} at {volts:.2f} V: measure anew")
     curve = sorted((volts, median(speeds)) for volts, speeds in levels.items())
     curve = _without_saturation([(v, 0.0 if abs(s) < _STILL[axis] else s) for v, s in curve], 0.02 * fastest)
-    volts, speeds = zip(*((round(v, 3), round(s, 4)) for v, s in curve), strict=True)
+    at, found = tuple(round(v, 3) for v, _ in curve), tuple(round(s, 4) for _, s in curve)
     try:
-        return AxisTable(neutral, volts[0], volts[-1], volts, speeds)
+        return AxisTable(neutral, at[0], at[-1], at, found)
     except ValueError as error:
         raise FitError(f"{axis}: {error}") from error
 
