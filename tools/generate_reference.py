@@ -28,6 +28,7 @@ from seater_base.deflection.table import DeflectionTable
 from seater_base.settings import BaseSettings
 from seater_camera.settings import CameraSettings
 from seater_common.geometry import Chair, Dock
+from seater_controls.settings import ContactSettings, JoystickSettings
 from seater_eval.perception.images.degraded_camera import RANGES
 from seater_identify.settings import IdentifySettings
 from seater_nmpc.parameters import NmpcParameters
@@ -148,12 +149,14 @@ def write_page() -> str:
         ("safety.yaml", [gate_group()]),
         ("base.yaml", list(groups_of_dataclass(BaseSettings, BaseSettings()))),
         ("deflection.yaml", list(groups_of_dataclass(DeflectionTable, DeflectionTable()))),
+        ("joystick.yaml", list(groups_of_dataclass(JoystickSettings, JoystickSettings()))),
+        ("emergency_stop.yaml", list(groups_of_dataclass(ContactSettings, ContactSettings()))),
         ("camera.yaml", list(groups_of_dataclass(CameraSettings, CameraSettings()))),
         ("obstacles.yaml", list(groups_of_dataclass(ObstacleSettings, ObstacleSettings()))),
         ("simulator.yaml", list(groups_of_dataclass(SimulatorSettings, SimulatorSettings()))),
         ("cameras/degraded.yaml", [group_of_comments(config / "cameras" / "degraded.yaml", RANGES)]),
     )
-    links = " ·\n".join(f"[{name}](#config{re.sub('[^a-z]', '', name)})" for name, _ in sections)
+    links = " ·\n".join(f"[{name}](#config{re.sub('[^a-z_]', '', name)})" for name, _ in sections)
     parts = [INTRODUCTION, links + "\n"]
     for name, groups in sections:
         shipped = yaml.safe_load((config / name).read_text())

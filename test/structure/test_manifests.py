@@ -13,7 +13,7 @@ MANIFESTS = sorted(p for folder in ("src/*", "config", "test") for p in ROOT.glo
 # Modules whose dependency has another name than they.
 DEBIAN = {name: f"python3-{name}" for name in ("numpy", "scipy", "yaml", "matplotlib", "rospkg", "tqdm", "tabulate")}
 DEBIAN |= {"cv2": "python3-opencv", "mpl_toolkits": "python3-matplotlib", "reportlab": "python3-reportlab"}
-DEBIAN |= {"aiohttp": "python3-aiohttp"}
+DEBIAN |= {"aiohttp": "python3-aiohttp", "evdev": "python3-evdev", "gpiod": "python3-libgpiod"}
 
 
 def manifest(path: Path) -> ElementTree.Element:
