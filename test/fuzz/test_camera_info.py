@@ -31,9 +31,9 @@ def good(camera: CameraModel | None = None) -> CameraInfo:
 
 
 def test_hostile_camera_info() -> None:
-    hostile, refused = Hostile("camera_info"), 0
+    hostile, original, refused = Hostile("camera_info"), good(), 0
     for number in range(MESSAGES):
-        message = hostile.spoil(good())
+        message = hostile.spoil(original)
         try:
             camera = from_message(message)
             camera = camera.rectified() if number % 2 else camera
@@ -63,9 +63,9 @@ def test_hostile_camera_info_to_the_detector() -> None:
     image = Camera(camera, chair.camera, load(Dock, values, "dock")).render([-1.5, 0.1, 0.0])
     layout = seater_perception.load_dock_layout(values)
     parameters = yaml.safe_load((CONFIG / "perception.yaml").read_text())
-    hostile, refused, seen = Hostile("camera_info of the detector"), 0, 0
+    hostile, original, refused, seen = Hostile("camera_info of the detector"), good(camera), 0, 0
     for number in range(MESSAGES):
-        told = hostile.spoil(good(camera))
+        told = hostile.spoil(original)
         make = seater_perception.CameraModel.rectified if number % 2 else seater_perception.CameraModel.raw
         try:
             sizes = ((size + 2**31) % 2**32 - 2**31 for size in (told.width, told.height))  # as the nodelet's cast

@@ -83,33 +83,30 @@ class LaunchFiles(unittest.TestCase):
         self.assertNotIn("/base/port", parameters("base.launch"))
         self.assertEqual(parameters("base.launch", "port:=/dev/ttyUSB3")["/base/port"], "/dev/ttyUSB3")
         self.assertEqual(parameters("base.launch")["/base/base/silence"], 0.3)
-
-        self.assertNotIn("/base/deflection/drive/neutral", parameters("base.launch"))
         told = parameters("base.launch", f"deflection:={CONFIG / 'deflection.yaml'}", "charging:=true")
         self.assertEqual((told["/base/deflection/drive/neutral"], told["/base/charging"]), (2.5, True))
 
     def test_joystick_and_emergency_stop_where_they_are_asked_for(self) -> None:
         hold, timeout = "/safety_gate/safety/hold_to_run", "/safety_gate/safety/emergency_stop_timeout"
-        alone = parameters("wheelchair.launch")
-        self.assertEqual((alone[hold], alone[timeout]), (0, 0.0))
-        arguments = ("joystick:=evdev", "emergency_stop:=gpio")
-        found = nodes("wheelchair.launch", *arguments) - nodes("wheelchair.launch")
-        self.assertEqual(found, {"/joystick", "/emergency_stop_contact"})
-        values = parameters("wheelchair.launch", *arguments)
-        self.assertEqual((values[hold], values["/joystick/hold"], values[timeout]), (0, False, 0.5))
+        launch = resolve("wheelchair.launch", "joystick:=evdev", "joystick_hold:=true", "emergency_stop:=gpio")
+        self.assertLess({"joystick", "emergency_stop_contact"}, {node.name for node in launch.nodes})
+        values = {name: param.value for name, param in launch.params.items()}
+        self.assertEqual((values[hold], values["/joystick/hold"], values[timeout]), (1, True, 0.5))
         self.assertEqual(values["/emergency_stop_contact/emergency_stop/lines"], [17])
-        values = parameters("wheelchair.launch", "joystick:=evdev", "joystick_hold:=true")
-        self.assertEqual((values[hold], values["/joystick/hold"], values[timeout]), (1, True, 0.0))
+        launch = resolve("wheelchair.launch", "joystick:=evdev")
+        self.assertNotIn("emergency_stop_contact", {node.name for node in launch.nodes})
+        values = {name: param.value for name, param in launch.params.items()}
+        self.assertEqual((values[hold], values["/joystick/hold"], values[timeout]), (0, False, 0.0))
 
     def test_what_does_not_fit_together_does_not_start(self) -> None:
-        for wrong in (
-            ("joystick:=js0",),
-            ("emergency_stop:=usb",),
-            ("joystick_hold:=true",),
-            ("joystick:=evdev", "joystick_hold:=true", "panel:=true"),
+        for launch_file, *wrong in (
+            ("controls.launch", "joystick:=js0"),
+            ("controls.launch", "emergency_stop:=usb"),
+            ("wheelchair.launch", "joystick_hold:=true"),
+            ("wheelchair.launch", "joystick:=evdev", "joystick_hold:=true", "panel:=true"),
         ):
-            with self.assertRaises(RLException, msg=str(wrong)):
-                nodes("wheelchair.launch", *wrong)
+            with self.assertRaisesRegex(RLException, "_is_|_needs_", msg=str(wrong)):
+                nodes(launch_file, *wrong)
 
     def test_panel_and_rviz(self) -> None:
         watching = nodes("wheelchair.launch", "panel:=true", "rviz:=true") - nodes("wheelchair.launch")
