@@ -24,9 +24,11 @@ from typing import Any
 
 import yaml
 
+from seater_base.deflection.table import DeflectionTable
 from seater_base.settings import BaseSettings
 from seater_camera.settings import CameraSettings
 from seater_common.geometry import Chair, Dock
+from seater_controls.settings import ContactSettings, JoystickSettings
 from seater_eval.perception.images.degraded_camera import RANGES
 from seater_identify.settings import IdentifySettings
 from seater_nmpc.parameters import NmpcParameters
@@ -146,12 +148,15 @@ def write_page() -> str:
         ("identify.yaml", list(groups_of_dataclass(IdentifySettings, IdentifySettings()))),
         ("safety.yaml", [gate_group()]),
         ("base.yaml", list(groups_of_dataclass(BaseSettings, BaseSettings()))),
+        ("deflection.yaml", list(groups_of_dataclass(DeflectionTable, DeflectionTable()))),
+        ("joystick.yaml", list(groups_of_dataclass(JoystickSettings, JoystickSettings()))),
+        ("emergency_stop.yaml", list(groups_of_dataclass(ContactSettings, ContactSettings()))),
         ("camera.yaml", list(groups_of_dataclass(CameraSettings, CameraSettings()))),
         ("obstacles.yaml", list(groups_of_dataclass(ObstacleSettings, ObstacleSettings()))),
         ("simulator.yaml", list(groups_of_dataclass(SimulatorSettings, SimulatorSettings()))),
         ("cameras/degraded.yaml", [group_of_comments(config / "cameras" / "degraded.yaml", RANGES)]),
     )
-    links = " ·\n".join(f"[{name}](#config{re.sub('[^a-z]', '', name)})" for name, _ in sections)
+    links = " ·\n".join(f"[{name}](#config{re.sub('[^a-z_]', '', name)})" for name, _ in sections)
     parts = [INTRODUCTION, links + "\n"]
     for name, groups in sections:
         shipped = yaml.safe_load((config / name).read_text())
@@ -213,7 +218,7 @@ def _shown(value: Any) -> str:
         return str(value).lower()
     if isinstance(value, float):
         return f"{value:.6g}"
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return "(" + ", ".join(_shown(entry) for entry in value) + ")"
     return "" if value is None else str(value)
 

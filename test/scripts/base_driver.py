@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The base driver as a node, with a simulated base behind a pseudo-terminal: it drives, stops when nobody commands, and
-takes the power when motor_enable falls silent or the node is killed."""
+takes the power when motor_enable falls silent or the node is killed; it tells the charging contact. Joystick and
+emergency stop as nodes, with nothing plugged in: let go, and pressed."""
 
 import itertools
 import subprocess
@@ -35,7 +36,7 @@ def wait(condition: Callable[[], bool], seconds: float = 30.0) -> bool:
 
 
 class BaseDriver(unittest.TestCase):
-    def setUp(self) -> None:
+    def start_base(self) -> None:
         values = read_yaml(CONFIG / "base.yaml")
         wheels: WheelSettings = load(BaseSettings, values, "base").wheels
         self.firmware = Firmware(wheels)
@@ -43,6 +44,9 @@ class BaseDriver(unittest.TestCase):
         self.addCleanup(self.base.close)
         rospy.set_param("/base/base", values)
         rospy.set_param("/base/port", self.base.path)
+        rospy.set_param("/base/charging", True)
+        self.contacts: list[bool] = []
+        rospy.Subscriber("charging_contact", Bool, lambda m: self.contacts.append(m.data), queue_size=10)
         self.node = subprocess.Popen(["rosrun", "seater_base", "base_driver", "__name:=base"])
         self.addCleanup(self.node.wait)
         self.addCleanup(self.node.terminate)
@@ -87,6 +91,7 @@ class BaseDriver(unittest.TestCase):
             time.sleep(0.02)
 
     def test_the_contract(self) -> None:
+        self.start_base()
         self.assertTrue(wait(lambda: bool(self.odometry)), "no odometry")
         self.assertTrue(wait(lambda: self.command.get_num_connections() > 0 and self.enable.get_num_connections() > 0))
         self.drive()
@@ -97,6 +102,13 @@ class BaseDriver(unittest.TestCase):
         self.drive()
         self.tell(2.0 * SILENCE + 0.2, enable=False)
         self.assertEqual((self.speed, self.firmware.power), (0.0, False))
+        self.assertEqual(self.contacts, [False])
+        self.firmware.contact = True
+        self.assertTrue(wait(lambda: self.contacts == [False, True]), self.contacts)
+        self.firmware.contact, self.firmware.charging = False, True  # a base that has a word about its current alone
+        time.sleep(0.2)
+        self.firmware.charging = False
+        self.assertTrue(wait(lambda: self.contacts == [False, True, False]), self.contacts)
         self.drive()
         self.node.send_signal(9)  # SIGKILL: only the base itself is left
         self.tell(2.0 * SILENCE + 0.2)
@@ -109,6 +121,33 @@ class BaseDriver(unittest.TestCase):
         self.assertGreater(last.pose.covariance[0], 0.0)
         self.assertTrue(any(t.transforms[0].child_frame_id == "base_link" for t in self.transforms))
         self.assertIn("drives as it is told", self.said)
+
+    def test_controls_with_nothing_plugged_in(self) -> None:
+        joystick = {**read_yaml(CONFIG / "joystick.yaml"), "device": "/dev/input/no_such_joystick"}
+        rospy.set_param("/joystick/joystick", joystick)
+        rospy.set_param("/joystick/hold", True)
+        contact = {**read_yaml(CONFIG / "emergency_stop.yaml"), "chip": "no_such_chip"}
+        rospy.set_param("/emergency_stop_contact/emergency_stop", contact)
+        told: dict[str, list[object]] = {"user_cmd_vel": [], "hold_to_run": [], "emergency_stop": []}
+        said: dict[str, str] = {}
+        for topic, kind in (("user_cmd_vel", Twist), ("hold_to_run", Bool), ("emergency_stop", Bool)):
+            rospy.Subscriber(topic, kind, told[topic].append, queue_size=100)
+        rospy.Subscriber(
+            "/diagnostics",
+            DiagnosticArray,
+            lambda m: said.update((s.name, s.message) for s in m.status),
+            queue_size=100,
+        )
+        for node, name in (("joystick", "joystick"), ("emergency_stop", "emergency_stop_contact")):
+            process = subprocess.Popen(["rosrun", "seater_controls", node, f"__name:={name}"])
+            self.addCleanup(process.wait)
+            self.addCleanup(process.terminate)
+        self.assertTrue(wait(lambda: min(map(len, told.values())) > 20 and len(said) >= 2), (told, said))
+        self.assertEqual({(m.linear.x, m.angular.z) for m in told["user_cmd_vel"]}, {(0.0, 0.0)})
+        self.assertEqual({m.data for m in told["hold_to_run"]}, {False})
+        self.assertEqual({m.data for m in told["emergency_stop"]}, {True})
+        self.assertIn("plugged in", said["joystick: joystick"])
+        self.assertIn("pressed: no_such_chip", said["emergency_stop_contact: emergency stop"])
 
 
 if __name__ == "__main__":

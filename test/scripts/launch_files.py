@@ -10,6 +10,7 @@ import rostest
 from roslaunch import RLException
 from roslaunch.config import ROSLaunchConfig, load_config_default
 
+CONFIG = Path(rospkg.RosPack().get_path("seater_config"))
 LAUNCH = Path(rospkg.RosPack().get_path("seater_bringup")) / "launch"
 
 
@@ -58,7 +59,7 @@ class LaunchFiles(unittest.TestCase):
             self.assertEqual(values[f"/{node}/chair/camera/pitch"], 0.12)
 
     def test_the_cameras_calibration_reaches_the_controller(self) -> None:
-        file = str(Path(rospkg.RosPack().get_path("seater_config")) / "cameras" / "d455.yaml")
+        file = str(CONFIG / "cameras" / "d455.yaml")
         self.assertEqual(parameters("sim.launch")["/docking/camera/image_width"], 1280)
         self.assertNotIn("/docking/camera/image_width", parameters("wheelchair.launch"))
         values = parameters("wheelchair.launch", f"camera_file:={file}", "rectified:=true")
@@ -66,7 +67,7 @@ class LaunchFiles(unittest.TestCase):
         self.assertIs(values["/docking/rectified"], True)
 
     def test_a_camera_of_ours_where_it_is_asked_for(self) -> None:
-        file = str(Path(rospkg.RosPack().get_path("seater_config")) / "cameras" / "d455.yaml")
+        file = str(CONFIG / "cameras" / "d455.yaml")
         self.assertEqual(nodes("wheelchair.launch", "camera:=v4l2") - nodes("wheelchair.launch"), {"/camera"})
         values = parameters("wheelchair.launch", "camera:=realsense", f"camera_file:={file}", "optical_frame:=eye")
         self.assertEqual((values["/camera/source"], values["/camera/frame"]), ("realsense", "eye"))
@@ -85,6 +86,30 @@ class LaunchFiles(unittest.TestCase):
         self.assertNotIn("/base/port", parameters("base.launch"))
         self.assertEqual(parameters("base.launch", "port:=/dev/ttyUSB3")["/base/port"], "/dev/ttyUSB3")
         self.assertEqual(parameters("base.launch")["/base/base/silence"], 0.3)
+        told = parameters("base.launch", f"deflection:={CONFIG / 'deflection.yaml'}", "charging:=true")
+        self.assertEqual((told["/base/deflection/drive/neutral"], told["/base/charging"]), (2.5, True))
+
+    def test_joystick_and_emergency_stop_where_they_are_asked_for(self) -> None:
+        hold, timeout = "/safety_gate/safety/hold_to_run", "/safety_gate/safety/emergency_stop_timeout"
+        launch = resolve("wheelchair.launch", "joystick:=evdev", "joystick_hold:=true", "emergency_stop:=gpio")
+        self.assertLess({"joystick", "emergency_stop_contact"}, {node.name for node in launch.nodes})
+        values = {name: param.value for name, param in launch.params.items()}
+        self.assertEqual((values[hold], values["/joystick/hold"], values[timeout]), (1, True, 0.5))
+        self.assertEqual(values["/emergency_stop_contact/emergency_stop/lines"], [17])
+        launch = resolve("wheelchair.launch", "joystick:=evdev")
+        self.assertNotIn("emergency_stop_contact", {node.name for node in launch.nodes})
+        values = {name: param.value for name, param in launch.params.items()}
+        self.assertEqual((values[hold], values["/joystick/hold"], values[timeout]), (0, False, 0.0))
+
+    def test_what_does_not_fit_together_does_not_start(self) -> None:
+        for launch_file, *wrong in (
+            ("controls.launch", "joystick:=js0"),
+            ("controls.launch", "emergency_stop:=usb"),
+            ("wheelchair.launch", "joystick_hold:=true"),
+            ("wheelchair.launch", "joystick:=evdev", "joystick_hold:=true", "panel:=true"),
+        ):
+            with self.assertRaisesRegex(RLException, "_is_|_needs_", msg=str(wrong)):
+                nodes(launch_file, *wrong)
 
     def test_panel_and_rviz(self) -> None:
         watching = nodes("wheelchair.launch", "panel:=true", "rviz:=true") - nodes("wheelchair.launch")

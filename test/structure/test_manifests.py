@@ -14,6 +14,7 @@ MANIFESTS = sorted(p for folder in ("src/*", "config", "test") for p in ROOT.glo
 DEBIAN = {name: f"python3-{name}" for name in ("numpy", "scipy", "yaml", "matplotlib", "rospkg", "tqdm", "tabulate")}
 DEBIAN |= {"cv2": "python3-opencv", "mpl_toolkits": "python3-matplotlib", "reportlab": "python3-reportlab"}
 DEBIAN |= {"aiohttp": "python3-aiohttp", "prometheus_client": "python3-prometheus-client"}
+DEBIAN |= {"evdev": "python3-evdev", "gpiod": "python3-libgpiod"}
 
 
 def manifest(path: Path) -> ElementTree.Element:

@@ -7,14 +7,17 @@ from pathlib import Path
 
 import pytest
 
+from seater_base.deflection.inverse import Deflections
+from seater_base.deflection.table import DeflectionTable
 from seater_base.driver import Driver
-from seater_base.firmware import FASTER, Firmware, SimulatedBase
+from seater_base.firmware import FASTER, Firmware, JoystickInput, SimulatedBase
 from seater_base.odometry import Driven
-from seater_base.protocol import Command, Flags, encode
+from seater_base.protocol import Command, Deflection, Flags, encode
 from seater_base.settings import BaseSettings
 from seater_common.params import load, read_yaml
 
 SETTINGS = BaseSettings()
+TABLE = DeflectionTable()
 FILE = Path(__file__).resolve().parents[3] / "config" / "base.yaml"
 
 
@@ -30,10 +33,14 @@ def wait(condition: Callable[[], bool], seconds: float = 10.0) -> float:
 class Pair:
     """A simulated base and the driver of it."""
 
-    def __init__(self, firmware: Firmware | None = None) -> None:
+    def __init__(self, firmware: Firmware | None = None, table: DeflectionTable | None = None) -> None:
         self.base = SimulatedBase(firmware or Firmware(SETTINGS.wheels))
         self.driven: list[Driven] = []
-        self.driver = Driver(replace(SETTINGS, port=self.base.path), self.driven.append)
+        self.driver = Driver(
+            replace(SETTINGS, port=self.base.path),
+            self.driven.append,
+            deflections=None if table is None else Deflections(table),
+        )
         self.driver.start()
 
     def tell(
@@ -137,11 +144,60 @@ def test_a_base_that_starts_anew_does_not_drive_on(pair: Pair) -> None:
 
 def test_a_base_of_another_protocol_is_not_driven() -> None:
     made = Pair(Firmware(SETTINGS.wheels, version=9))
-    wait(lambda: "protocol 9, not 1" in made.driver.trouble)
+    wait(lambda: "protocol 9, not 2" in made.driver.trouble)
     made.tell(0.5)
     assert not made.base.firmware.power and made.driven == []
     made.driver.stop()
     made.base.close()
+
+
+def test_a_base_of_the_first_protocol_drives_and_tells_nothing_of_a_charger() -> None:
+    made = Pair(Firmware(SETTINGS.wheels, version=1))
+    wait(lambda: made.driver.trouble == "")
+    made.drive()
+    assert not made.driver.tells_charging
+    made.driver.stop()
+    made.base.close()
+
+
+def test_a_joysticks_voltages_go_to_no_base_of_the_first_protocol() -> None:
+    made = Pair(Firmware(SETTINGS.wheels, version=1, joystick=JoystickInput(TABLE)), TABLE)
+    wait(lambda: "need protocol 2" in made.driver.trouble)
+    made.tell(0.3)
+    assert not made.base.firmware.power
+    made.driver.stop()
+    made.base.close()
+
+
+def test_a_chair_with_a_joysticks_input_drives_what_is_asked_and_goes_to_neutral_in_silence() -> None:
+    joystick = JoystickInput(TABLE)
+    made = Pair(Firmware(SETTINGS.wheels, joystick=joystick), TABLE)
+    wait(lambda: made.driver.trouble == "")
+    made.drive()
+    assert joystick.volts == (3.2, 2.5)
+    made.tell(0.8, velocity=False)  # the driver brakes by its own clock
+    assert made.speed == 0.0 and joystick.volts == joystick.neutral and made.base.firmware.power
+    made.drive()
+    made.base.deaf = True  # and the firmware by its own
+    made.tell(0.8)
+    assert made.speed == 0.0 and joystick.volts == joystick.neutral and not made.base.firmware.power
+    made.base.deaf = False
+    made.drive()
+    made.base.firmware.emergency_stop = True
+    made.tell(0.5)
+    assert made.speed == 0.0 and joystick.volts == joystick.neutral
+    made.driver.stop()
+    made.base.close()
+
+
+def test_a_contact_that_closes_and_a_current_that_flows_are_told(pair: Pair) -> None:
+    assert pair.driver.tells_charging and not pair.driver.flags & (Flags.CONTACT | Flags.CHARGING)
+    pair.base.firmware.contact = True
+    wait(lambda: bool(pair.driver.flags & Flags.CONTACT) and not pair.driver.flags & Flags.CHARGING)
+    pair.base.firmware.charging = True
+    wait(lambda: bool(pair.driver.flags & Flags.CHARGING))
+    pair.base.firmware.contact = pair.base.firmware.charging = False
+    wait(lambda: not pair.driver.flags & (Flags.CONTACT | Flags.CHARGING))
 
 
 def test_the_button_of_the_base_stops_and_letting_it_go_drives_nothing(pair: Pair) -> None:
@@ -199,3 +255,21 @@ def test_the_firmware_does_not_drive_on_when_its_button_is_let_go() -> None:
     assert command(0.2) == 0.0
     assert command(0.0, 2) == 0.0
     assert command(0.2) > 0.0
+
+
+def test_the_firmware_takes_no_voltage_beyond_its_limits_and_none_with_the_power() -> None:
+    joystick = JoystickInput(TABLE)
+    firmware = Firmware(SETTINGS.wheels, joystick=joystick)
+
+    def tell(sequence: int, drive: float, turn: float = 2.5) -> tuple[float, float]:
+        firmware.receive(encode(Deflection(sequence, drive, turn, True).text()))
+        firmware.step(0.02 * sequence)
+        return joystick.volts
+
+    assert tell(1, 3.2) == (2.5, 2.5), "it comes with the power"
+    assert tell(2, 3.2) == (2.5, 2.5), "neutral has not come yet"
+    assert tell(3, 2.5) == (2.5, 2.5)
+    assert tell(4, 3.2, 2.0) == (3.2, 2.0)
+    assert tell(5, 3.9) == tell(6, 3.2, 0.0) == (2.5, 2.5)
+    firmware.receive(encode(Command(7, 0.5, 0.0, True).text()))  # not the language of this base
+    assert firmware.step(0.5) and joystick.volts == (2.5, 2.5) and firmware.speeds[0] < 0.1

@@ -3,7 +3,19 @@
 import numpy as np
 import pytest
 
-from seater_base.protocol import ASK, LONGEST, Command, Flags, Identity, Lines, Reading, checksum, decode, encode
+from seater_base.protocol import (
+    ASK,
+    LONGEST,
+    Command,
+    Deflection,
+    Flags,
+    Identity,
+    Lines,
+    Reading,
+    checksum,
+    decode,
+    encode,
+)
 
 
 def test_the_checksum_is_that_of_the_standard() -> None:
@@ -18,7 +30,13 @@ def test_lines_as_the_page_shows_them() -> None:
 
 
 @pytest.mark.parametrize(
-    "message", [Command(2**32 - 1, -0.6, 0.8, False), Reading(0, -(2**31), 2**31 - 1, Flags.FAULT), Identity(1, "a-b")]
+    "message",
+    [
+        Command(2**32 - 1, -0.6, 0.8, False),
+        Deflection(7, 2.5, 0.001, True),
+        Reading(0, -(2**31), 2**31 - 1, Flags.FAULT | Flags.CHARGING),
+        Identity(1, "a-b"),
+    ],
 )
 def test_there_and_back(message) -> None:
     assert decode(encode(message.text()).rstrip(b"\n")) == message
@@ -45,6 +63,8 @@ def test_no_damaged_line_is_taken_for_a_good_one() -> None:
         assert decode(bytes(bad)) is None, (good, bytes(bad))
 
 
-@pytest.mark.parametrize("text", ["V 1 nan 0 1", "V 1 2 3 2", "V 1 2 3", "O 1 2 3", "", "V 1 99999999 0 1", "W 1"])
+@pytest.mark.parametrize(
+    "text", ["V 1 nan 0 1", "V 1 2 3 2", "V 1 2 3", "O 1 2 3", "", "V 1 99999999 0 1", "J 1 -5 0 1", "W 1"]
+)
 def test_what_is_no_message(text: str) -> None:
     assert decode(encode(text).rstrip(b"\n")) is None

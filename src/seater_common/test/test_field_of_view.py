@@ -57,6 +57,12 @@ def test_a_principal_point_at_the_edge_is_refused() -> None:
         FieldOfView.of(camera(cx=2.0))
 
 
+def test_a_lens_without_inverse_anywhere_is_refused() -> None:
+    """Found by 24 000 hostile camera_info messages: three edges were not a number."""
+    with pytest.raises(ValueError, match="distortion_coefficients"):
+        FieldOfView.of(camera(D=(0.0, 0.0, 0.0, -0.59, 0.0)))
+
+
 def test_narrowing_and_limits() -> None:
     field = FieldOfView(1.0, 0.5, 0.4, 0.4)
     assert math.atan(field.narrowed(0.1).left) == pytest.approx(math.pi / 4 - 0.1)

@@ -7,9 +7,22 @@ import time
 from collections.abc import Callable
 
 from seater_base.commander import Commander, Request
+from seater_base.deflection.inverse import Deflections
 from seater_base.odometry import Driven, WheelOdometry
 from seater_base.port import Port, PortError
-from seater_base.protocol import ASK, VERSION, Command, Flags, Identity, Lines, Message, Reading, encode
+from seater_base.protocol import (
+    ASK,
+    SPOKEN,
+    VERSION,
+    Command,
+    Deflection,
+    Flags,
+    Identity,
+    Lines,
+    Message,
+    Reading,
+    encode,
+)
 from seater_base.settings import BaseSettings
 
 _PAUSE = 0.5  # [s] before the port is opened anew
@@ -20,7 +33,7 @@ _ZEROS = 3  # commands of zero, without power, at the end
 
 class Driver:
     """`velocity` and `power` may be called from any thread; `on_driven` and, with every reading, `on_flags` are called
-    in the listening one.
+    in the listening one. With `deflections` the base is told voltages of a joystick, not speeds.
 
     `on_failure` hears of what nobody has thought of: that thread has ended then, and the base stops by itself.
     """
@@ -31,8 +44,10 @@ class Driver:
         on_driven: Callable[[Driven], None],
         on_failure: Callable[[Exception], None] = lambda error: None,
         on_flags: Callable[[Flags], None] = lambda flags: None,
+        deflections: Deflections | None = None,
     ) -> None:
         self._settings, self._on_driven, self._on_failure, self._on_flags = settings, on_driven, on_failure, on_flags
+        self._deflections = deflections
         self.commander, self.odometry = Commander(settings), WheelOdometry(settings)
         self._telling = threading.Lock()  # of the commander
         self._port: Port | None = None
@@ -56,8 +71,20 @@ class Driver:
 
     @property
     def _understood(self) -> bool:
-        """The base has said who it is, and speaks this protocol."""
-        return self.identity is not None and self.identity.version == VERSION
+        """The base has said who it is, and speaks what it has to be told."""
+        return self.identity is not None and not self._why_not_driven(self.identity.version)
+
+    def _why_not_driven(self, version: int) -> str:
+        if version not in SPOKEN:
+            return f"the base speaks protocol {version}, not {VERSION}"
+        if version < 2 and self._deflections is not None:
+            return f"the base speaks protocol {version}: a joystick's voltages need protocol 2"
+        return ""
+
+    @property
+    def tells_charging(self) -> bool:
+        """The base has a word about contact and charger."""
+        return self.identity is not None and self.identity.version >= 2
 
     def start(self) -> None:
         """From now on."""
@@ -104,11 +131,16 @@ class Driver:
             if self._port is None or not self._understood:
                 return
             self._sequence = (self._sequence + 1) % 2**32
-            command = Command(self._sequence, request.v, request.omega, request.power)
             try:
-                self._port.write(encode(command.text()))
+                self._port.write(encode(self._command_of(request).text()))
             except PortError:
                 return  # the listening thread finds it, too
+
+    def _command_of(self, request: Request) -> Command | Deflection:
+        if self._deflections is None:
+            return Command(self._sequence, request.v, request.omega, request.power)
+        volts = self._deflections.volts(request.v, request.omega)
+        return Deflection(self._sequence, *volts, request.power)
 
     def _listen(self) -> None:
         while not self._stop.is_set():
@@ -142,8 +174,7 @@ class Driver:
             with self._telling:
                 self.commander.base_started()
             self.odometry.disconnected()
-            other = message.version != VERSION
-            self.trouble = f"the base speaks protocol {message.version}, not {VERSION}" if other else ""
+            self.trouble = self._why_not_driven(message.version)
         if isinstance(message, Reading) and self._understood:
             self.flags, self.heard, self.trouble = message.flags, now, ""
             with self._telling:

@@ -10,20 +10,59 @@ import threading
 import time
 import tty
 
-from seater_base.protocol import ASK, VERSION, Command, Flags, Identity, Lines, Reading, encode
+import numpy as np
+
+from seater_base.deflection.table import AxisTable, DeflectionTable
+from seater_base.protocol import ASK, VERSION, Command, Deflection, Flags, Identity, Lines, Message, Reading, encode
 from seater_base.settings import WheelSettings
 
 SILENCE = 0.3  # [s] without a command: brake, then no power
 BRAKE, FASTER = 1.5, 0.8  # [m/s^2] of a wheel, slowing down and speeding up
 PERIOD = 0.02  # [s] between two readings
 _WORD = 2**32
+_NEUTRAL = 0.005  # [V] that count as neutral: lines have whole millivolts
+
+
+class JoystickInput:
+    """The two outputs of a converter (DAC) at the joystick's input of a chair, and what the chair does then."""
+
+    def __init__(self, chair: DeflectionTable) -> None:
+        """`chair`: its true curves."""
+        self._chair = chair
+        self.volts = self.neutral
+
+    @property
+    def neutral(self) -> tuple[float, float]:
+        """[V] of drive and turn."""
+        return self._chair.drive.neutral, self._chair.turn.neutral
+
+    def set(self, drive: float, turn: float) -> bool:
+        """Whether these [V] are neutral in both. Beyond the limits of one the outputs go to neutral."""
+        fits = all(t.lowest <= v <= t.highest for t, v in ((self._chair.drive, drive), (self._chair.turn, turn)))
+        self.volts = (drive, turn) if fits else self.neutral
+        return max(abs(a - b) for a, b in zip(self.volts, self.neutral, strict=True)) <= _NEUTRAL
+
+    def speeds(self) -> tuple[float, float]:
+        """[m/s], [rad/s] that the chair would drive."""
+        return self._speed(self._chair.drive, self.volts[0]), self._speed(self._chair.turn, self.volts[1])
+
+    @staticmethod
+    def _speed(table: AxisTable, volts: float) -> float:
+        return float(np.interp(volts, table.volts, table.speeds))
 
 
 class Firmware:
-    """Times [s] by its own clock, which begins with it."""
+    """Times [s] by its own clock, which begins with it. With `joystick` it obeys voltages, and no speeds."""
 
-    def __init__(self, wheels: WheelSettings, *, name: str = "simulated", version: int = VERSION) -> None:
-        self._wheels, self._identity = wheels, Identity(version, name)
+    def __init__(
+        self,
+        wheels: WheelSettings,
+        *,
+        name: str = "simulated",
+        version: int = VERSION,
+        joystick: JoystickInput | None = None,
+    ) -> None:
+        self._wheels, self._identity, self.joystick = wheels, Identity(version, name), joystick
         self._lines = Lines()
         self._wanted = [0.0, 0.0]  # [m/s] of the left and right wheel
         self.speeds = [0.0, 0.0]
@@ -32,6 +71,7 @@ class Firmware:
         self.power = False
         self.emergency_stop = False  # the button
         self._let_go = False  # zero was commanded since it was pressed, and since the start
+        self.contact, self.charging = False, False  # the charger's voltage is there; its current flows
         self._said, self._now = -math.inf, 0.0
         self._out = [encode(self._identity.text())]
 
@@ -40,17 +80,30 @@ class Firmware:
         for message in self._lines.feed(data):
             if message == ASK:
                 self._out.append(encode(self._identity.text()))
-            elif isinstance(message, Command) and message.sequence != self._sequence:
-                self._obey(message)
+            elif isinstance(message, Command | Deflection) and message.sequence != self._sequence:
+                self._hear(message)
 
-    def _obey(self, command: Command) -> None:
+    def _hear(self, message: Message) -> None:
+        if isinstance(message, Deflection) and self.joystick is not None:
+            zero = self.joystick.set(message.drive, message.turn)
+            self._obey(message, self.joystick.speeds(), zero)
+        elif isinstance(message, Command) and self.joystick is None:
+            self._obey(message, (message.v, message.omega), message.v == message.omega == 0.0)
+
+    def _obey(self, command: Command | Deflection, speeds: tuple[float, float], zero: bool) -> None:
         """What comes with the power, or without it, moves nothing yet."""
         self._heard, self._sequence = self._now, command.sequence
         had_power, self.power = self.power, command.power
-        self._let_go = self._let_go or (not self.emergency_stop and command.v == command.omega == 0.0)
-        half = 0.5 * self._wheels.separation * command.omega
+        self._let_go = self._let_go or (not self.emergency_stop and zero)
+        half = 0.5 * self._wheels.separation * speeds[1]
         drives = had_power and self.power and self._let_go
-        self._wanted = [command.v - half, command.v + half] if drives else [0.0, 0.0]
+        self._wanted = [speeds[0] - half, speeds[0] + half] if drives else [0.0, 0.0]
+        if not drives:
+            self._neutral()
+
+    def _neutral(self) -> None:
+        if self.joystick is not None:
+            self.joystick.set(*self.joystick.neutral)
 
     def step(self, now: float) -> bytes:
         """Drive until `now`; returns what is to be sent."""
@@ -58,8 +111,10 @@ class Firmware:
         silent = now - self._heard > SILENCE
         if self.emergency_stop:
             self.power = self._let_go = False
-        if silent:
+        if silent or self.emergency_stop:
             self._wanted = [0.0, 0.0]
+            self._neutral()
+        if silent:
             self.power = self.power and any(self.speeds)
         for i in (0, 1):
             self.speeds[i] = self._toward(self.speeds[i], self._wanted[i], elapsed)
@@ -81,6 +136,7 @@ class Firmware:
         counts = (self._ways[0] * self._wheels.left_counts, self._ways[1] * self._wheels.right_counts)
         left, right = ((round(count) + _WORD // 2) % _WORD - _WORD // 2 for count in counts)
         states = {Flags.POWER: self.power, Flags.SILENT: silent, Flags.EMERGENCY_STOP: self.emergency_stop}
+        states |= {Flags.CONTACT: self.contact, Flags.CHARGING: self.charging}
         flags = Flags(sum(flag for flag, on in states.items() if on))
         return Reading(int(1e3 * self._now) % _WORD, left, right, flags)
 

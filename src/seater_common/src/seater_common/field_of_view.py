@@ -34,7 +34,8 @@ class FieldOfView:
         counts, and where the distortion model has no inverse at an edge, the edge is taken farther inside.
 
         Raises:
-            ValueError: the principal point is so near to an edge that nothing is left.
+            ValueError: the principal point is so near to an edge that nothing is left, or the distortion model has no
+                inverse in the image's inner third either.
         """
         low, high = np.full(2, border), np.array([camera.width - 1.0, camera.height - 1.0]) - border
         for shrink in np.linspace(1.0, 0.3, 36):
@@ -46,6 +47,8 @@ class FieldOfView:
             rays = [camera.ray(rim) for rim in rims]
             if all(np.all(np.isfinite(ray)) for ray in rays):
                 break
+        else:
+            raise ValueError("distortion_coefficients: the lens model has no inverse near the middle of the image")
         left, right = float(np.min(-rays[0][:, 0])), float(np.min(rays[1][:, 0]))
         up, down = float(np.min(-rays[2][:, 1])), float(np.min(rays[3][:, 1]))
         if not min(left, right, up, down) > 0.0:

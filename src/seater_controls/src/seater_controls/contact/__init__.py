@@ -1,0 +1,1 @@
+"""An emergency stop: a normally closed contact at GPIO lines."""

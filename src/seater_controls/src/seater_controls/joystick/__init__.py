@@ -1,0 +1,1 @@
+"""A joystick: events in, velocities out."""

@@ -1,0 +1,1 @@
+"""The nodes round joystick and emergency stop."""
