@@ -1,4 +1,4 @@
-"""Prints that are cut close, stand before what is dark, or are seen at a steep angle: found, with honest covariances."""
+"""Prints that are cut close, before what is dark, or seen at a steep angle: found, with honest covariances."""
 
 import cv2
 import numpy as np

@@ -41,8 +41,8 @@ def _stands_there(folder: PhotographFolder, photograph: Photograph, found: Found
 
 
 def place_of(folder: PhotographFolder, photograph: Photograph, marker_id: int) -> Array | None:
-    """(2,) centre in the photograph without its distortion [px], by the first source that shares enough markers with it,
-    all on one plane; None when there is none."""
+    """(2,) centre in the photograph without its distortion [px], by the first source that shares enough markers with
+    it, all on one plane; None when there is none."""
     listed = _centers(photograph)
     for source in _sources(folder, photograph):
         if marker_id not in source:
