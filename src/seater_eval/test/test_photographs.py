@@ -18,7 +18,8 @@ from seater_eval.photographs.detectors import Found
 from seater_eval.photographs.measures import MarkerErrors, errors_on_board, match
 from seater_eval.photographs.report import photograph_bars
 from seater_eval.photographs.rows import shared_with
-from seater_eval.photographs.truth import KnownMarker, Photograph, load_folders
+from seater_eval.photographs.truth import KnownMarker, Photograph, PhotographFolder, load_folders
+from seater_eval.photographs.unlisted import with_unlisted
 
 ROOT = Path(__file__).resolve().parents[3]
 K = np.array([[600.0, 0.0, 319.5], [0.0, 600.0, 239.5], [0.0, 0.0, 1.0]])
@@ -73,6 +74,24 @@ def test_matching_asks_for_id_and_place() -> None:
     assert list(matched.found) == [1]
     assert [f.id for f in matched.false] == [1, 2, 40]
     assert [m.id for m in matched.missed] == [i for i in CENTERS if i != 1]
+
+
+def test_a_marker_at_its_place_on_the_board_is_not_false_for_being_unlisted() -> None:
+    listed = photograph()
+    hidden, elsewhere = sorted(CENTERS)[-2:]
+    shown = replace(listed, markers=tuple(m for m in listed.markers if m.id not in (hidden, elsewhere)))
+    finds = [
+        Found(id=hidden, corners=corners(hidden)),
+        Found(id=elsewhere, corners=corners(elsewhere) + 60.0),
+        Found(id=40, corners=corners(elsewhere)),
+    ]
+    by_board = PhotographFolder(name="a", dictionary="DICT_4X4_50", photographs=(shown,), board=CENTERS)
+    by_another = replace(by_board, photographs=(shown, listed), board={})
+    for folder in (by_board, by_another):
+        matched = with_unlisted(folder, shown, match(shown, finds))
+        assert [f.id for f in matched.unlisted] == [hidden]
+        assert [f.id for f in matched.false] == [elsewhere, 40]
+    assert len(with_unlisted(replace(by_board, board={}), shown, match(shown, finds)).false) == 3
 
 
 @pytest.mark.parametrize("side", [SIDE, None])

@@ -6,10 +6,9 @@
 #include <optional>
 
 #include "image/image_checks.h"
-#include "search/decoder/marker_decoder.h"
 #include "search/opencv_search.h"
 #include "search/outline/edge_fit.h"
-#include "search/outline/quad_search.h"
+#include "search/own_search.h"
 #include "seater_perception/errors.h"
 
 namespace seater_perception {
@@ -18,16 +17,6 @@ namespace {
 // Of a large marker, corners of the fitted code are 0.03 cells off, which may be more than `edge_band_max`. A quarter
 // of a cell holds that and leaves the inner edge of the border out.
 constexpr double kCoarseBand = 0.25;  // [cells] half width of the band
-// Chosen by hand: smaller than a marker of the default `min_side` with its quiet zone.
-constexpr int kSmallestRegion = 12;  // [px]
-// With a wider threshold window, the edge of a strong shadow grows together with the print's border. Chosen by hand,
-// with perception_shadows.
-constexpr int kNarrowWindow = 7;  // [px]
-
-// Where samples were left out as covered and no four edges show, the bits have to prove more: two decades
-// (marker_decoder.cpp).
-constexpr double kDecades = 1.2;
-
 /// Markers on their way to a result.
 struct Found {
   std::vector<MarkerCorners> markers;
@@ -36,17 +25,6 @@ struct Found {
   std::set<int> doubtful;               // these ids
   std::set<int> weak;                   // whose bits need their edges as a second proof
 };
-
-MarkerCorners cornersOf(const DecodedMarker& decoded) {
-  MarkerCorners marker;
-  marker.id = decoded.id;
-  marker.corners = decoded.corners;
-  marker.surplus = decoded.surplus;
-  marker.template_level = decoded.template_level;
-  marker.dark = decoded.dark;
-  marker.contrast = decoded.contrast;
-  return marker;
-}
 
 const MarkerFamily& requireMarkers(const MarkerFamily& family) {
   if (family.count() == 0) throw ConfigurationError("dictionary: the marker family has no markers");
@@ -82,67 +60,24 @@ Found sorted(const std::vector<MarkerCorners>& found) {
 struct MarkerDetector::Implementation {
   MarkerFamily family;
   DetectorParameters parameters;
-  MarkerDecoder decoder;
+  OwnSearch own;
   OpenCvSearch opencv;
 
   Found search(const ImageLevels& image, bool strong_shadows) const;
   void searchNear(const ImageLevels& image, const std::vector<ExpectedMarker>& expected, Found& found) const;
   SearchResult finish(const cv::Mat& grey, Found& found) const;
-  std::vector<MarkerCorners> byOwnSearch(const ImageLevels& image, const cv::Rect& region, bool strong_shadows) const;
-  std::optional<MarkerCorners> inShadow(const ImageLevels& image, const Quad& quad,
-                                        const std::optional<DecodedMarker>& so_far) const;
   std::optional<MarkerCorners> outlineNear(const ImageLevels& image, const ExpectedMarker& expected) const;
   std::optional<FittedEdges> edges(const cv::Mat& grey, const MarkerCorners& marker) const;
   void refine(const cv::Mat& grey, MarkerCorners& marker) const;
 };
 
-/// `strong_shadows`: instead, only what the edge of a shadow lies across, even of a strong one.
-std::vector<MarkerCorners> MarkerDetector::Implementation::byOwnSearch(const ImageLevels& image, const cv::Rect& region,
-                                                                       bool strong_shadows) const {
-  QuadSearch search;
-  search.window = (strong_shadows ? kNarrowWindow : parameters.search_window) | 1;
-  search.constant = parameters.search_constant;
-  search.min_side = parameters.min_side;
-  std::vector<MarkerCorners> markers;
-  for (Quad quad : findQuads(image.grey()(region), search)) {
-    for (auto& corner : quad) corner += Eigen::Vector2d(region.x, region.y);
-    std::optional<DecodedMarker> decoded;
-    if (!strong_shadows) decoded = decoder.decode(image, quad, parameters.min_evidence);
-    std::optional<MarkerCorners> marker = inShadow(image, decoded ? decoded->corners : quad, decoded);
-    // What a strong shadow's edge crosses may be read so badly that its corners no longer show the shadow.
-    if (!marker && decoded && decoded->surplus < kDecades) marker = inShadow(image, quad, decoded);
-    if (!marker && decoded) marker = cornersOf(*decoded);
-    if (marker && marker->side() >= parameters.min_side) markers.push_back(*marker);
-  }
-  return markers;
-}
-
 /// All of the image.
 Found MarkerDetector::Implementation::search(const ImageLevels& image, bool strong_shadows) const {
   if (parameters.search != "own") return sorted(opencv.find(image.grey()));
   const cv::Rect all(0, 0, image.grey().cols, image.grey().rows);
-  std::vector<MarkerCorners> found = byOwnSearch(image, all, false);
-  if (found.empty() && strong_shadows) found = byOwnSearch(image, all, true);
+  std::vector<MarkerCorners> found = own.find(image, all, false);
+  if (found.empty() && strong_shadows) found = own.find(image, all, true);
   return sorted(found);
-}
-
-/// What can be read, or better than so far, once a shadow's edge across it is taken away.
-std::optional<MarkerCorners> MarkerDetector::Implementation::inShadow(
-    const ImageLevels& image, const Quad& quad, const std::optional<DecodedMarker>& so_far) const {
-  const auto shadow = decoder.shadowEdge(image, quad);
-  if (!shadow) return std::nullopt;
-  const cv::Rect part = shadow->region & cv::Rect(0, 0, image.grey().cols, image.grey().rows);
-  if (part.width < kSmallestRegion || part.height < kSmallestRegion) return std::nullopt;
-  const Eigen::Vector2d origin(part.x, part.y);
-  const cv::Mat lit = withoutShadows(image.grey()(part), {shadow->seenFrom(origin)});
-  Quad there = quad;
-  for (auto& corner : there) corner -= origin;
-  auto decoded = decoder.decode(ImageLevels(lit), there, parameters.min_evidence);
-  if (!decoded || (so_far && (decoded->id != so_far->id || decoded->evidence < so_far->evidence))) return std::nullopt;
-  for (auto& corner : decoded->corners) corner += origin;
-  MarkerCorners marker = cornersOf(*decoded);
-  marker.shadow = shadow;
-  return marker;
 }
 
 /// The edges of a marker; from corners that are only good to a part of a cell, those of a large one in two steps.
@@ -181,7 +116,7 @@ std::optional<MarkerCorners> MarkerDetector::Implementation::outlineNear(const I
   const cv::Rect region(first, last);
   if (region.width < kSmallestRegion || region.height < kSmallestRegion) return std::nullopt;
   for (const bool strong_shadows : {false, true}) {
-    for (const MarkerCorners& marker : sorted(byOwnSearch(image, region, strong_shadows)).markers) {
+    for (const MarkerCorners& marker : sorted(own.find(image, region, strong_shadows)).markers) {
       if (marker.id == expected.id) return marker;
     }
   }
@@ -191,9 +126,9 @@ std::optional<MarkerCorners> MarkerDetector::Implementation::outlineNear(const I
 void MarkerDetector::Implementation::searchNear(const ImageLevels& image, const std::vector<ExpectedMarker>& expected,
                                                 Found& found) const {
   for (const ExpectedMarker& e : expected) {
-    const auto decoded = decoder.decodeNear(e.id, image, e.corners, e.reach, e.min_evidence, e.template_level);
+    const auto decoded = own.decoder().decodeNear(e.id, image, e.corners, e.reach, e.min_evidence, e.template_level);
     std::optional<MarkerCorners> marker;
-    if (decoded) marker = inShadow(image, decoded->corners, decoded);
+    if (decoded) marker = own.inShadow(image, decoded->corners, decoded);
     if (!marker && decoded)
       marker = cornersOf(*decoded);
     else if (!marker && e.by_outline)
@@ -229,7 +164,7 @@ SearchResult MarkerDetector::Implementation::finish(const cv::Mat& grey, Found& 
 
 MarkerDetector::MarkerDetector(const MarkerFamily& family, const DetectorParameters& parameters,
                                const std::set<int>& ids)
-    : implementation_(new Implementation{requireMarkers(family), parameters, MarkerDecoder(family, ids),
+    : implementation_(new Implementation{requireMarkers(family), parameters, OwnSearch(family, parameters, ids),
                                          OpenCvSearch(family, ids, parameters)}) {}
 
 MarkerDetector::~MarkerDetector() = default;
@@ -242,6 +177,7 @@ SearchResult MarkerDetector::detect(const cv::Mat& grey, const std::vector<Expec
   Found found = implementation_->search(image, strong_shadows);
   for (const MarkerCorners& marker : found.markers) {
     found.coarse.insert(marker.id);
+    // Samples left out as covered: without four edges, the bits have to prove more.
     const bool chosen = !(marker.contrast > 0.0);
     if (chosen && marker.surplus < kDecades) found.weak.insert(marker.id);
   }
@@ -261,7 +197,7 @@ SearchResult MarkerDetector::searchNear(const cv::Mat& grey, const std::vector<E
 }
 
 int MarkerDetector::cells() const {
-  return implementation_->decoder.cells();
+  return implementation_->own.decoder().cells();
 }
 
 void MarkerDetector::refine(const cv::Mat& grey, MarkerCorners& marker) const {

@@ -1,8 +1,11 @@
 #include "search/outline_judge.h"
 
+#include <algorithm>
+
 #include "image/image_checks.h"
 #include "search/code/image_levels.h"
 #include "search/outline/quad_search.h"
+#include "search/own_search.h"
 
 namespace seater_perception {
 namespace {
@@ -17,11 +20,17 @@ OutlineJudge::OutlineJudge(const MarkerFamily& family, const DetectorParameters&
 
 std::vector<JudgedOutline> OutlineJudge::judge(const cv::Mat& grey) const {
   checkImage(grey);
-  const QuadSearch search{parameters_.search_window | 1, parameters_.search_constant,
-                          kShownSide * parameters_.min_side};
+  QuadSearch search{parameters_.search_window | 1, parameters_.search_constant, kShownSide * parameters_.min_side};
+  std::vector<Quad> quads = findQuads(grey, search);
+  search = closeSearch(parameters_);
+  search.min_side *= kShownSide;
+  for (const Quad& quad : findQuads(grey, search)) {
+    const auto same = [&quad](const Quad& other) { return sameOutline(quad, other); };
+    if (std::none_of(quads.begin(), quads.end(), same)) quads.push_back(quad);
+  }
   const ImageLevels image(grey);
   std::vector<JudgedOutline> outlines;
-  for (const Quad& quad : findQuads(grey, search)) {
+  for (const Quad& quad : quads) {
     JudgedOutline outline;
     auto decoded = decoder_.decode(image, quad, parameters_.min_evidence);
     outline.decoded = decoded.has_value();

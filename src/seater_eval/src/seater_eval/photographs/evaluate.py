@@ -16,6 +16,7 @@ from seater_eval.photographs.detectors import OPENCV, PLAIN, SEATER, Image, make
 from seater_eval.photographs.measures import match
 from seater_eval.photographs.rows import Seen, folder_rows
 from seater_eval.photographs.truth import Photograph, PhotographFolder, load_folders
+from seater_eval.photographs.unlisted import with_unlisted
 from seater_eval.run.parallel import run_jobs
 
 QUICK_STEP = 5  # every fifth photograph
@@ -58,7 +59,8 @@ def look(job: PhotographJob) -> Seen:
     detect = make_detector(job.detector, job.folder, photograph, job.parameters, job.peers)
     detect(image)
     detection = detect(image)
-    return Seen(matched=match(photograph, detection.found), milliseconds=detection.milliseconds)
+    matched = with_unlisted(job.folder, photograph, match(photograph, detection.found))
+    return Seen(matched=matched, milliseconds=detection.milliseconds)
 
 
 def run_photographs(

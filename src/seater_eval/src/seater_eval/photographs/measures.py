@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -27,6 +27,7 @@ class Matched:
     found: dict[int, Found]
     missed: list[KnownMarker]
     false: list[Found]  # an id that is not there, or not at this place, or twice
+    unlisted: list[Found] = field(default_factory=list)  # there, but not in truth.json; neither found nor false
 
 
 def match(photograph: Photograph, found: list[Found]) -> Matched:

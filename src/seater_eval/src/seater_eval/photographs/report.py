@@ -92,6 +92,7 @@ def describe_photographs(data: dict[str, Any]) -> str:
         "detector",
         "found",
         "false",
+        "unlisted",
         "corner px",
         "p99",
         "inwards",
@@ -105,8 +106,9 @@ def describe_photographs(data: dict[str, Any]) -> str:
     for detector in dict.fromkeys(row["detector"] for row in data["rows"]):
         own = rows_of(data, detector)
         found, markers = (sum(r[key] for r in own) for key in ("found", "markers"))
-        rows.append(["all", detector, f"{found}/{markers} {_share(found, markers)}", str(sum(r["false"] for r in own))])
-    return text_table(head, [row + [""] * (len(head) - len(row)) for row in rows], "ll" + "r" * 9 + "l")
+        counts = [str(sum(r[key] for r in own)) for key in ("false", "unlisted")]
+        rows.append(["all", detector, f"{found}/{markers} {_share(found, markers)}", *counts])
+    return text_table(head, [row + [""] * (len(head) - len(row)) for row in rows], "ll" + "r" * 10 + "l")
 
 
 def _line(row: dict[str, Any]) -> list[str]:
@@ -116,6 +118,7 @@ def _line(row: dict[str, Any]) -> list[str]:
     return [
         f"{row['found']}/{row['markers']} {_share(row['found'], row['markers'])}",
         str(row["false"]),
+        str(row["unlisted"]),
         *(_number(n) for n in numbers),
         wrong,
         *(_number(n) for n in rest),

@@ -70,6 +70,7 @@ def row_of(
         "markers": sum(len(p.markers) for p in photographs),
         "found": sum(len(s.matched.found) for s in seen),
         "false": sum(len(s.matched.false) for s in seen),
+        "unlisted": sum(len(s.matched.unlisted) for s in seen),
         "milliseconds": spread(s.milliseconds for s in seen),
         "stages": {stage: stages.count(stage) for stage in sorted(set(stages))},
         "on_board": len(errors),

@@ -1,5 +1,6 @@
 #include "search/code/pattern_alignment.h"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,11 +27,23 @@ constexpr double kMostCovered = 0.15;  // of all samples
 // tracker_cases_test asks for. Chosen by hand.
 constexpr double kPaths[] = {5.0, 8.0}, kStillPsf = 1.1;
 constexpr int kDirections = 4;  // 45 deg apart
+// From 60 deg on, cells are twice as long as wide in the image, and no round PSF in cells is one in pixels. The widths,
+// with the pixel's own area, are those of sharp to soft lenses. Chosen by hand.
+constexpr double kSteep = 1.8, kSteepPsf[] = {0.7, 1.0, 1.5};  // [px]
+
+/// How the image changes by a cell's length along each axis, at the print's middle [px].
+Eigen::Matrix2d cellInImage(const Quad& quad, int cells) {
+  const SquareToQuad map(quad);
+  const double step = 1.0 / cells;
+  Eigen::Matrix2d by_cell;
+  by_cell << (map({step, 0.0}) - map({-step, 0.0})), (map({0.0, step}) - map({0.0, -step}));
+  return by_cell;
+}
 
 }  // namespace
 
 const PatternTemplate& PatternAligner::templateOf(const Alignment& a) const {
-  return a.motion_blurred ? *a.motion_blurred : book_.of(a.id, a.level);
+  return a.own ? *a.own : book_.of(a.id, a.level);
 }
 
 bool PatternAligner::look(const ImageLevels& image, Alignment& a) const {
@@ -81,7 +94,7 @@ bool PatternAligner::descend(const ImageLevels& image, Alignment& a) const {
 
 /// The level that explains most; false when it is the one at hand.
 bool PatternAligner::chooseLevel(Alignment& a) const {
-  if (a.motion_blurred) return false;
+  if (a.own) return false;
   const auto explained = [&](int level) {
     if (level < 0 || level >= kLevels) return -1.0;
     const auto fit = book_.of(a.id, level).fit(a.samples.grey, a.weights(), false);
@@ -141,29 +154,46 @@ bool PatternAligner::leaveOutCovered(Alignment& a) const {
   return covered > 0.0f && covered < kMostCovered * static_cast<float>(grid.size());
 }
 
+std::optional<Alignment> PatternAligner::alignBlurred(const ImageLevels& image, const Alignment& a,
+                                                      const Eigen::Matrix2d& spread) const {
+  const Eigen::Matrix2d to_cells = cellInImage(a.quad, book_.grid().cells()).inverse();
+  if (!to_cells.allFinite()) return std::nullopt;
+  const Eigen::Matrix2d in_cells = to_cells * spread * to_cells.transpose();
+  Alignment b;
+  b.id = a.id;
+  b.level = a.level;
+  b.quad = a.quad;
+  b.own = std::make_shared<PatternTemplate>(book_.grid(), book_.pattern(a.id), in_cells);
+  b.own_sd = std::pow(in_cells.determinant(), 0.25);
+  return align(image, b) ? std::optional<Alignment>(b) : std::nullopt;
+}
+
 bool PatternAligner::alignMotionBlurred(const ImageLevels& image, Alignment& a) const {
-  // How the image changes by a cell's length, at the middle.
-  const SquareToQuad map(a.quad);
-  const double cell = 2.0 / book_.grid().cells(), step = 0.5 * cell;
-  Eigen::Matrix2d by_cell;
-  by_cell << (map({step, 0.0}) - map({-step, 0.0})), (map({0.0, step}) - map({0.0, -step}));
-  const Eigen::Matrix2d to_cells = by_cell.inverse();
-  if (!to_cells.allFinite()) return false;
   std::optional<Alignment> best;
   for (const double path : kPaths) {
     for (int direction = 0; direction < kDirections; ++direction) {
       const double angle = M_PI * direction / kDirections;
       const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
-      const Eigen::Matrix2d spread =
-          kStillPsf * kStillPsf * Eigen::Matrix2d::Identity() + path * path / 12.0 * along * along.transpose();
-      Alignment b;
-      b.id = a.id;
-      b.level = a.level;
-      b.quad = a.quad;
-      b.motion_blurred = std::make_shared<PatternTemplate>(book_.grid(), book_.pattern(a.id),
-                                                           Eigen::Matrix2d(to_cells * spread * to_cells.transpose()));
-      if (align(image, b) && (!best || b.fit.explained > best->fit.explained)) best = b;
+      const auto b = alignBlurred(
+          image, a,
+          kStillPsf * kStillPsf * Eigen::Matrix2d::Identity() + path * path / 12.0 * along * along.transpose());
+      if (b && (!best || b->fit.explained > best->fit.explained)) best = b;
     }
+  }
+  if (!best) return false;
+  a = *best;
+  a.moved = true;
+  return true;
+}
+
+bool PatternAligner::alignSteep(const ImageLevels& image, Alignment& a) const {
+  const Eigen::Vector2d axes = cellInImage(a.quad, book_.grid().cells()).jacobiSvd().singularValues();
+  if (!(axes[0] > kSteep * axes[1])) return false;
+  std::optional<Alignment> best;
+  for (const double sd : kSteepPsf) {
+    const auto b = alignBlurred(image, best ? *best : a, sd * sd * Eigen::Matrix2d::Identity());
+    if (!b || (best && b->fit.explained < best->fit.explained)) break;
+    best = b;
   }
   if (!best) return false;
   a = *best;

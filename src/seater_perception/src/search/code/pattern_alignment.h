@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "search/code/image_levels.h"
 #include "search/code/template_book.h"
@@ -17,8 +18,10 @@ struct Alignment {
   Quad quad;                ///< in the print's order [px]
   ImageLevels::Samples samples;
   PatternTemplate::Fit fit;
-  std::shared_ptr<const PatternTemplate> motion_blurred;  ///< in place of the book's, when the image moved
-  Eigen::VectorXf free;                                   ///< 0 where something covers the print; empty: nothing does
+  std::shared_ptr<const PatternTemplate> own;  ///< in place of the book's: image moved, or print seen at a steep angle
+  bool moved = false;                          ///< of an image that moved
+  double own_sd = 0.0;                         ///< of `own`: geometric mean of the widths of its PSF [cells]
+  Eigen::VectorXf free;                        ///< 0 where something covers the print; empty: nothing does
 
   /// Number of samples that are left out.
   double covered() const { return free.size() == 0 ? 0.0 : static_cast<double>(free.size()) - free.sum(); }
@@ -42,6 +45,9 @@ class PatternAligner {
   bool align(const ImageLevels& image, Alignment& a) const;
   /// The same for an image that moved by up to about 8 px during its exposure, in whatever direction.
   bool alignMotionBlurred(const ImageLevels& image, Alignment& a) const;
+  /// The same for a print seen at a steep angle: what is round in the image is a long ellipse in cells. False, too,
+  /// when the angle is not steep.
+  bool alignSteep(const ImageLevels& image, Alignment& a) const;
   /// Largest deviation of a cell's mean, of what would turn its bit round: above 1, a bit contradicts.
   double worstBit(const Alignment& a) const;
   /// Marks samples of border and quiet zone that deviate; false when nothing or too much does, or the marker is small.
@@ -51,6 +57,9 @@ class PatternAligner {
   const PatternTemplate& templateOf(const Alignment& a) const;
   bool descend(const ImageLevels& image, Alignment& a) const;
   bool chooseLevel(Alignment& a) const;
+  /// The best fit of a template blurred so in the image [px^2], from the quadrilateral of `a`.
+  std::optional<Alignment> alignBlurred(const ImageLevels& image, const Alignment& a,
+                                        const Eigen::Matrix2d& spread) const;
 
   const TemplateBook& book_;
 };

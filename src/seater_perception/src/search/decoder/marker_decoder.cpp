@@ -24,6 +24,8 @@ constexpr double kLargestBitError = 0.9;   // of what turns a bit round: at 1 it
 constexpr double kDarkestQuiet = -0.7, kLightestQuiet = 0.5;  // of the contrast, over the print's white
 // Chosen by hand; it saves the time of eight more fits. tracker_cases_test draws motion blur up to 2.4 cells.
 constexpr double kPerhapsMotion = 0.5;  // part explained without motion
+// Drawn prints turned by 60 to 75 deg have 0.78 and more at sides from 32 px on; chosen by hand.
+constexpr double kPerhapsSteep = 0.75;  // part explained
 // Half a cell's step leaves every place within about the fit's own reach, a third of a cell.
 constexpr double kGridStep = 0.5;        // [cells] of the search for a code alone
 constexpr double kMostGridSteps = 10.0;  // to each side: bounds the time of a wide `reach`
@@ -48,6 +50,8 @@ struct MarkerDecoder::Implementation {
   std::optional<DecodedMarker> judge(const ImageLevels& image, const EvidenceThreshold& threshold,
                                      const Alignment& a) const;
   std::optional<DecodedMarker> settle(const ImageLevels& image, const EvidenceThreshold& threshold, Alignment& a) const;
+  std::optional<DecodedMarker> steep(const ImageLevels& image, const EvidenceThreshold& threshold,
+                                     const Alignment& round) const;
   std::optional<DecodedMarker> motionBlurred(const ImageLevels& image, const EvidenceThreshold& threshold,
                                              const Alignment& still) const;
 };
@@ -61,7 +65,7 @@ std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(const ImageLev
   decoded.corners = a.quad;
   decoded.template_level = a.level;
   decoded.dark = a.fit.light[0];
-  decoded.contrast = a.motion_blurred || a.free.size() > 0 ? 0.0 : a.fit.gain;
+  decoded.contrast = a.moved || a.free.size() > 0 ? 0.0 : a.fit.gain;
   decoded.correlation = std::sqrt(std::max(0.0, a.fit.explained));
   if (!aligner.hasBorder(a.samples)) return std::nullopt;
   if (a.fit.quiet < kDarkestQuiet * a.fit.gain || a.fit.quiet > kLightestQuiet * a.fit.gain) return std::nullopt;
@@ -74,8 +78,8 @@ std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(const ImageLev
   decoded.evidence = codeEvidence(decoded.correlation, decoded.worst_bit, decoded.margin, a.covered());
   decoded.surplus = decoded.evidence - threshold.needed(decoded.worst_bit);
   if (decoded.surplus < 0.0) return std::nullopt;
-  if (evidence.edgesCount() && !a.motion_blurred) {
-    const double sd = TemplateBook::kTemplateSd[static_cast<std::size_t>(a.level)];
+  if (evidence.edgesCount() && !a.moved) {
+    const double sd = a.own ? a.own_sd : TemplateBook::kTemplateSd[static_cast<std::size_t>(a.level)];
     const double cost = costOfEdges(codeEdges(image, book, a), meanSide(a.quad) / book.grid().cells(), sd);
     decoded.evidence -= cost;
     decoded.surplus -= cost;
@@ -91,6 +95,15 @@ std::optional<DecodedMarker> MarkerDecoder::Implementation::settle(const ImageLe
   const auto decoded = judge(image, threshold, a);
   if (decoded || !aligner.leaveOutCovered(a)) return decoded;
   return aligner.align(image, a) ? judge(image, threshold, a) : std::nullopt;
+}
+
+/// What looks like the code, but not as a blur that is round on the print would make it: perhaps seen at a steep angle.
+std::optional<DecodedMarker> MarkerDecoder::Implementation::steep(const ImageLevels& image,
+                                                                  const EvidenceThreshold& threshold,
+                                                                  const Alignment& round) const {
+  if (round.fit.explained < kPerhapsSteep) return std::nullopt;
+  Alignment a = round;
+  return aligner.alignSteep(image, a) ? judge(image, threshold, a) : std::nullopt;
 }
 
 /// What looks like the code, but not sharp enough: perhaps the image moved.
@@ -133,8 +146,10 @@ std::optional<DecodedMarker> MarkerDecoder::decode(const ImageLevels& image, con
     a.id = candidate.id;
     a.quad = printed(quad, candidate.turn);
     if (!self.aligner.align(image, a)) continue;
+    const Alignment round = a;
     // When another code is as likely, that is seen here too.
     if (const auto decoded = self.settle(image, threshold, a)) return decoded;
+    if (const auto decoded = self.steep(image, threshold, round)) return decoded;
   }
   return std::nullopt;
 }
@@ -155,7 +170,9 @@ std::optional<DecodedMarker> MarkerDecoder::decodeNear(int id, const ImageLevels
     }
   }
   if (self.aligner.align(image, a)) {
+    const Alignment round = a;
     if (const auto decoded = self.settle(image, threshold, a)) return decoded;
+    if (const auto decoded = self.steep(image, threshold, round)) return decoded;
     if (const auto decoded = self.motionBlurred(image, threshold, a)) return decoded;
   }
   if (!(reach > 0.0)) return std::nullopt;

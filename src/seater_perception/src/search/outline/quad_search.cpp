@@ -18,6 +18,8 @@ constexpr double kLargestRatio = 6.0;       // of the longest to the shortest si
 constexpr double kHullTolerance = 0.012;    // of the outline's length: hull vertices are merged within it
 // The outline runs through dark pixels: in the image's outermost row, what lies beyond is not seen.
 constexpr int kBorder = 1;  // [px]
+// Within it, the decoder's fit comes from one to the other (it pulls from a third of a cell); chosen by hand.
+constexpr double kSamePart = 0.04, kSame = 1.0;  // [sides], [px]
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -109,10 +111,10 @@ void toQuads(const std::vector<cv::Point>& outline, double min_side, std::vector
 std::vector<Quad> findQuads(const cv::Mat& grey, const QuadSearch& search) {
   std::vector<Quad> quads;
   if (grey.cols < 5 || grey.rows < 5) return quads;
-  cv::Mat smooth, mean, dark;
-  cv::blur(grey, smooth, cv::Size(3, 3), cv::Point(-1, -1), cv::BORDER_REPLICATE);
-  cv::adaptiveThreshold(smooth, dark, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY_INV, search.window,
-                        search.constant);
+  cv::Mat smooth, dark;
+  if (search.smooth) cv::blur(grey, smooth, cv::Size(3, 3), cv::Point(-1, -1), cv::BORDER_REPLICATE);
+  cv::adaptiveThreshold(search.smooth ? smooth : grey, dark, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY_INV,
+                        search.window, search.constant);
   std::vector<std::vector<cv::Point>> outlines;
   cv::findContours(dark, outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
   const auto least = static_cast<std::size_t>(2.5 * search.min_side);
@@ -124,6 +126,15 @@ std::vector<Quad> findQuads(const cv::Mat& grey, const QuadSearch& search) {
     toQuads(outline, search.min_side, quads);
   }
   return quads;
+}
+
+bool sameOutline(const Quad& a, const Quad& b) {
+  const double tolerance = std::max(kSame, kSamePart * meanSide(a)), square = tolerance * tolerance;
+  for (const auto& corner : a) {
+    const auto near = [&](const Eigen::Vector2d& other) { return (corner - other).squaredNorm() < square; };
+    if (std::none_of(b.begin(), b.end(), near)) return false;
+  }
+  return true;
 }
 
 }  // namespace seater_perception

@@ -15,6 +15,7 @@ struct QuadSearch {
   int window = 25;        ///< [px] of the adaptive threshold, odd
   double constant = 4.0;  ///< [grey levels] how much darker than the window's mean
   double min_side = 8.0;  ///< [px] shortest side
+  bool smooth = true;     ///< by a 3 x 3 window before: noise makes no outlines, but thin light lines vanish
 };
 
 /// Outlines of dark quadrilaterals, clockwise as seen in the image (y down), on lighter ground in a CV_8UC1 image (or a
@@ -23,5 +24,8 @@ struct QuadSearch {
 /// sides by leaving out the side whose neighbours, prolonged, add the least area. So corners that blur has rounded off
 /// come back.
 std::vector<Quad> findQuads(const cv::Mat& grey, const QuadSearch& search);
+
+/// Whether both are the same outline: each corner has one of the other's within 4 % of the side or 1 px.
+bool sameOutline(const Quad& a, const Quad& b);
 
 }  // namespace seater_perception

@@ -1,0 +1,123 @@
+#include "search/own_search.h"
+
+#include <algorithm>
+
+#include "search/outline/quad_search.h"
+
+namespace seater_perception {
+namespace {
+
+// With a wider threshold window, the edge of a strong shadow grows together with the print's border. Chosen by hand,
+// with perception_shadows.
+constexpr int kNarrowWindow = 7;  // [px]
+// White of half a pixel's width still parts a print from what is dark beside it. Without smoothing, noise has to stay
+// below the constant. Chosen with drawn prints (docs/results/beyond_simulation.md, Little white): windows of 3 to 7 px
+// find as many within 10 %, smoothed ones two thirds.
+constexpr int kCloseWindow = 5;         // [px]
+constexpr double kCloseConstant = 7.0;  // [grey levels]
+
+std::set<int> idsOf(const std::vector<MarkerCorners>& markers) {
+  std::set<int> ids;
+  for (const MarkerCorners& marker : markers) ids.insert(marker.id);
+  return ids;
+}
+
+/// Outlines of a part of the image, in coordinates of the whole.
+std::vector<Quad> quadsIn(const cv::Mat& grey, const cv::Rect& region, const QuadSearch& search) {
+  std::vector<Quad> quads = findQuads(grey(region), search);
+  for (Quad& quad : quads) {
+    for (auto& corner : quad) corner += Eigen::Vector2d(region.x, region.y);
+  }
+  return quads;
+}
+
+}  // namespace
+
+MarkerCorners cornersOf(const DecodedMarker& decoded) {
+  MarkerCorners marker;
+  marker.id = decoded.id;
+  marker.corners = decoded.corners;
+  marker.surplus = decoded.surplus;
+  marker.template_level = decoded.template_level;
+  marker.dark = decoded.dark;
+  marker.contrast = decoded.contrast;
+  return marker;
+}
+
+QuadSearch closeSearch(const DetectorParameters& parameters) {
+  QuadSearch search;
+  search.window = kCloseWindow;
+  search.constant = std::max(kCloseConstant, parameters.search_constant);
+  search.min_side = parameters.min_side;
+  search.smooth = false;
+  return search;
+}
+
+OwnSearch::OwnSearch(const MarkerFamily& family, const DetectorParameters& parameters, const std::set<int>& ids)
+    : parameters_(parameters), ids_(ids), decoder_(family, ids) {}
+
+/// The marker that an outline may be of. `strong_shadows`: only what the edge of a shadow lies across, even of a strong
+/// one.
+std::optional<MarkerCorners> OwnSearch::read(const ImageLevels& image, const Quad& quad, bool strong_shadows) const {
+  std::optional<DecodedMarker> decoded;
+  if (!strong_shadows) decoded = decoder_.decode(image, quad, parameters_.min_evidence);
+  std::optional<MarkerCorners> marker = inShadow(image, decoded ? decoded->corners : quad, decoded);
+  // What a strong shadow's edge crosses may be read so badly that its corners no longer show the shadow.
+  if (!marker && decoded && decoded->surplus < kDecades) marker = inShadow(image, quad, decoded);
+  if (!marker && decoded) marker = cornersOf(*decoded);
+  return marker;
+}
+
+/// `strong_shadows`: instead, only what the edge of a shadow lies across.
+std::vector<MarkerCorners> OwnSearch::find(const ImageLevels& image, const cv::Rect& region,
+                                           bool strong_shadows) const {
+  QuadSearch search;
+  search.window = (strong_shadows ? kNarrowWindow : parameters_.search_window) | 1;
+  search.constant = parameters_.search_constant;
+  search.min_side = parameters_.min_side;
+  std::vector<MarkerCorners> markers;
+  const std::vector<Quad> quads = quadsIn(image.grey(), region, search);
+  for (const Quad& quad : quads) {
+    const auto marker = read(image, quad, strong_shadows);
+    if (marker && marker->side() >= parameters_.min_side) markers.push_back(*marker);
+  }
+  if (!strong_shadows && (ids_.empty() || idsOf(markers).size() < ids_.size())) addClose(image, region, quads, markers);
+  return markers;
+}
+
+/// Prints with little white round them before dark surroundings: there, smoothing and a wide window make one outline of
+/// both. `tried`: outlines that have been read.
+void OwnSearch::addClose(const ImageLevels& image, const cv::Rect& region, const std::vector<Quad>& tried,
+                         std::vector<MarkerCorners>& markers) const {
+  const std::size_t before = markers.size();
+  for (const Quad& quad : quadsIn(image.grey(), region, closeSearch(parameters_))) {
+    const auto same = [&quad](const Quad& other) { return sameOutline(quad, other); };
+    const auto within = [&quad](const MarkerCorners& m) {
+      return (centre(quad) - centre(m.corners)).norm() < 0.5 * m.side() && meanSide(quad) < 1.1 * m.side();
+    };
+    const auto end = markers.begin() + static_cast<std::ptrdiff_t>(before);
+    if (std::any_of(markers.begin(), end, within) || std::any_of(tried.begin(), tried.end(), same)) continue;
+    const auto decoded = decoder_.decode(image, quad, parameters_.min_evidence);
+    if (decoded && meanSide(decoded->corners) >= parameters_.min_side) markers.push_back(cornersOf(*decoded));
+  }
+}
+
+std::optional<MarkerCorners> OwnSearch::inShadow(const ImageLevels& image, const Quad& quad,
+                                                 const std::optional<DecodedMarker>& so_far) const {
+  const auto shadow = decoder_.shadowEdge(image, quad);
+  if (!shadow) return std::nullopt;
+  const cv::Rect part = shadow->region & cv::Rect(0, 0, image.grey().cols, image.grey().rows);
+  if (part.width < kSmallestRegion || part.height < kSmallestRegion) return std::nullopt;
+  const Eigen::Vector2d origin(part.x, part.y);
+  const cv::Mat lit = withoutShadows(image.grey()(part), {shadow->seenFrom(origin)});
+  Quad there = quad;
+  for (auto& corner : there) corner -= origin;
+  auto decoded = decoder_.decode(ImageLevels(lit), there, parameters_.min_evidence);
+  if (!decoded || (so_far && (decoded->id != so_far->id || decoded->evidence < so_far->evidence))) return std::nullopt;
+  for (auto& corner : decoded->corners) corner += origin;
+  MarkerCorners marker = cornersOf(*decoded);
+  marker.shadow = shadow;
+  return marker;
+}
+
+}  // namespace seater_perception
