@@ -37,7 +37,6 @@ def valley(values: Mapping[str, float]) -> Verdict:
 
 
 def searched(path: Path, trials: int, evaluate: Callable[[Mapping[str, float]], Verdict] = valley) -> list[Trial]:
-    pytest.importorskip("optuna")
     search = Search(path, SPACE, 1, "key")
     while len(search.trials) < trials:
         search.step(evaluate)
@@ -147,7 +146,6 @@ def drawn(self: Dockings, values: Mapping[str, float]) -> Measures:
 
 
 def test_a_search_from_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("optuna")
     monkeypatch.setattr(Dockings, "run", drawn)
     line = ["tune", "--jobs", "1", "--results", str(tmp_path)]
     first = run(*line, "--trials", "1")
@@ -167,7 +165,6 @@ def test_a_search_from_the_command_line(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def test_ctrl_c_keeps_what_was_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("optuna")
     left = iter(range(3))
 
     def interrupted(self: Dockings, values: Mapping[str, float]) -> Measures:

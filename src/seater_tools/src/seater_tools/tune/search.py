@@ -17,7 +17,6 @@ from seater_common.params import ParameterError
 from seater_tools.tune.objective import Verdict
 from seater_tools.tune.space import Tunable
 
-REQUIREMENTS = "tools/requirements_tune.txt"
 STARTUP = 10  # trials drawn at random before the estimator has its say
 _CONSTRAINTS, _VIOLATIONS, _KEY = "constraints", "violations", "key"
 
@@ -37,7 +36,9 @@ def _optuna() -> Any:
     try:
         optuna = importlib.import_module("optuna")
     except ImportError as error:
-        raise ParameterError(f"needs Optuna: .venv/bin/pip install -r {REQUIREMENTS}") from error
+        raise ParameterError(
+            "needs Optuna, which the Debian package does not bring: run it beside the sources"
+        ) from error
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
     return optuna
