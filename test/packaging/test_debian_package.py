@@ -52,7 +52,7 @@ def test_python_that_debian_lacks_is_fetched() -> None:
     pinned = "".join((ROOT / "tools" / f"requirements{kind}.txt").read_text() for kind in ("", "_realsense"))
     assert all(re.search(rf"^{name}==", pinned, re.MULTILINE) for name in needed[1].split("|"))
     # Named in README: imported by the comparisons only, which say so when it is not there.
-    rest = {"ruff", "mypy", "do-mpc", "optuna", "pandas", "pupil-apriltags"}
+    rest = {"ruff", "mypy", "do-mpc", "optuna", "pandas", "pathspec", "pupil-apriltags"}
     assert set(re.findall(r"^([\w-]+)==", pinned, re.MULTILINE)) == rest | set(needed[1].split("|"))
 
 

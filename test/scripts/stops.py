@@ -46,8 +46,13 @@ class Stops(DockingCase):
         self.drive()
 
     def press(self, pressed: bool) -> None:
-        self.emergency_stop.publish(pressed)
-        self.wait(lambda: self.gate.emergency_stop is pressed, "the gate to notice")
+        """Again and again, as a driver does: others that listen may be connected before the gate."""
+
+        def noticed() -> bool:
+            self.emergency_stop.publish(pressed)
+            return self.gate.emergency_stop is pressed
+
+        self.wait(noticed, "the gate to notice")
 
     def deflect(self, speed: float) -> None:
         message = Twist()
