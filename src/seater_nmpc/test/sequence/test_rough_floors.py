@@ -142,3 +142,23 @@ def test_a_chair_that_rolls_on_after_each_stop_is_stopped_earlier_the_next_time(
     assert step.result is not None and step.result.success, step.result
     assert abs(world.truth[0]) < 0.01 and step.result.retries <= 1
     assert max(pose[0] for pose in world.track) < 1.2 * speed + 0.01
+
+
+def test_a_stop_that_was_timed_badly_is_no_slope(make_world) -> None:
+    """It stood a centimetre too far, and where it was to roll as far after a small move, none seemed of use."""
+    world = make_world((-1.3, 0.0, 0.0))
+    stops: list[float] = []
+
+    def late(w, v, omega):
+        if w.phases[-1:] == ["STOPPING"] and "CORRECTING" not in w.phases:
+            stops.append(w.now)
+            return (0.08, 0.0) if w.now - stops[0] < 0.15 else (v, omega)
+        return v, omega
+
+    world.moves = late
+    world.tick()
+    world.sequence.start_dock(world.now)
+    step = world.run(60.0, until=lambda step: step.phase in (Phase.CORRECTING, Phase.RETRY))
+    assert step.phase is Phase.CORRECTING and world.truth[0] > 0.009, (step, world.truth)
+    result = world.run(30.0).result
+    assert result.success and result.retries == 0 and abs(world.truth[0]) < 0.006

@@ -34,7 +34,8 @@ class Progress:
         self.failure: GoalEnd | None = None  # what the goal will end with, when the chair has backed out
         self.no_way = ""  # why there is no way into the bay
         self.expected_rest: float | None = None  # [m] ahead of the dock, where a stop was to end
-        self.rolls = 0.0  # [m] that the chair went on, by itself, after its last stop at the dock: on a slope
+        self.overshoot = 0.0  # [m] beyond where its last stop at the dock was to end
+        self.rolls = 0.0  # [m] that, where it went on by itself after its motors had to stand: on a slope
 
     def enter(self, phase: Phase) -> None:
         """A phase begins."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -21,6 +22,8 @@ Array = NDArray[np.float64]
 
 _UNSEEN_IMAGES = 6  # times between two images
 _ROLLS = 0.008  # [m] beyond where a stop was to end, from which on it is no error of the stop
+_WENT_ON = 0.003  # [m] after its motors had to stand: it rolls
+_LAGS, _DOUBT = 2.5, 0.2  # times the lag, and [s], after the delay, until the motors have to stand
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
 _OPENED = 0.5  # [s] without contact: no mere bounce of it
 _VERDICTS = {
@@ -39,6 +42,7 @@ class AtDock:
     def restart(self, phase: Phase) -> None:
         """This phase begins; moves are counted, and learned from, until the chair leaves the dock."""
         self._verification: Verification | None = None
+        self._motors_stand: Array | None = None  # pose in odom, in STOPPING
         self._closed = self._context.goal.now  # the contact, when it was so last
         if phase not in (Phase.STOPPING, Phase.CORRECTING):
             self._moves = 0
@@ -48,6 +52,7 @@ class AtDock:
         """STOPPING: stand until enough images were taken at rest, then decide what is to be done."""
         c, p = self._context, self._context.parameters
         c.look(chair)
+        self._watch_roll(chair)
         if not c.standstill.has_stood(chair.stamp, c.measured(chair)):
             return STANDING
         fresh = c.observer.measurements_since(c.standstill.since)
@@ -55,7 +60,7 @@ class AtDock:
             late = chair.stamp - c.standstill.since > max(_UNSEEN, _UNSEEN_IMAGES * c.observer.images.period)
             return Phase.VERIFY if late else STANDING
         c.goal.error = inverse(standing_dock(fresh))
-        self._learn_roll(float(c.goal.error[0]))
+        self._learn_roll(chair, float(c.goal.error[0]))
         return self._decide(c.goal.error)
 
     def correct(self, chair: Instant) -> Asked:
@@ -102,12 +107,24 @@ class AtDock:
             raise GoalEnd(ResultCode.SUCCESS, Verdict.DOCKED.value)
         return replace(STANDING, text="docked, watches the contact")
 
-    def _learn_roll(self, x: float) -> None:
-        """From where the chair stands, `x` [m] in the dock's frame, after a stop that was to end elsewhere."""
-        goal = self._context.goal
+    def _watch_roll(self, chair: Instant) -> None:
+        """Note where the chair is when its motors have to stand."""
+        c, drive = self._context, self._context.controller.history
+        stand = c.goal.deadlines.entered + drive.delay + _LAGS * drive.drive.lag_v + _DOUBT
+        if self._motors_stand is None and chair.stamp >= stand:
+            self._motors_stand = chair.pose
+
+    def _learn_roll(self, chair: Instant, x: float) -> None:
+        """From where the chair stands, `x` [m] in the dock's frame, after a stop that was to end elsewhere.
+
+        A stop that was timed badly ends elsewhere, too; what rolls goes on after the motors had to stand.
+        """
+        goal, stood = self._context.goal, self._motors_stand
         if goal.expected_rest is not None:
-            rolled = x - goal.expected_rest
-            goal.rolls = rolled if abs(rolled) > _ROLLS else 0.0
+            off = x - goal.expected_rest
+            goal.overshoot = off if abs(off) > _ROLLS else 0.0
+            went_on = stood is not None and math.dist(chair.pose[:2], stood[:2]) > _WENT_ON
+            goal.rolls = goal.overshoot if went_on else 0.0
         goal.expected_rest = None
 
     def _decide(self, error: Array) -> Phase:

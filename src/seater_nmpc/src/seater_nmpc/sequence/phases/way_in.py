@@ -65,7 +65,7 @@ class WayIn:
         c.goal.expected_rest = None
         if self._corridor.missed(error) and self._corridor.missed(rest):
             return c.try_again(ResultCode.FAILED_TO_STAGE, "outside the corridor at the bay")
-        short = max(0.0, c.goal.rolls)  # not beyond the dock, where a wall may be, for a chair that will roll back
+        short = max(0.0, c.goal.overshoot)  # not beyond the dock, where a wall may be, for a chair that will roll back
         if rest[0] + short >= -self._stopping_margin(speeds):
             c.goal.expected_rest = float(rest[0])
             return Phase.STOPPING
