@@ -22,7 +22,8 @@ lint_clang_tidy() {
 }
 lint_mypy() {
   local sources=(src/*/src/seater_* test/src/seater_test)
-  MYPYPATH=$(dirname "${sources[@]}" | paste -sd :) mypy "${sources[@]}"
+  # ROS puts Debian's modules before the environment's; its pathspec is too old for mypy.
+  env -u PYTHONPATH MYPYPATH="$(dirname "${sources[@]}" | paste -sd :)" mypy "${sources[@]}"
 }
 lint_ruff_check() { ruff check .; }
 lint_ruff_format() { ruff format --check .; }
