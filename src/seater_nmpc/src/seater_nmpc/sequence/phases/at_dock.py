@@ -21,7 +21,7 @@ from seater_nmpc.sequence.rest.verification import Verdict, Verification, within
 Array = NDArray[np.float64]
 
 _UNSEEN_IMAGES = 6  # times between two images
-_ROLLS = 0.008  # [m] beyond where a stop was to end, from which on it is no error of the stop
+_OVERSHOT = 0.008  # [m] beside where a stop was to end, from which on the next one allows for it
 _WENT_ON = 0.003  # [m] after its motors had to stand: it rolls
 _LAGS, _DOUBT = 2.5, 0.2  # times the lag, and [s], after the delay, until the motors have to stand
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
@@ -122,7 +122,7 @@ class AtDock:
         goal, stood = self._context.goal, self._motors_stand
         if goal.expected_rest is not None:
             off = x - goal.expected_rest
-            goal.overshoot = off if abs(off) > _ROLLS else 0.0
+            goal.overshoot = off if abs(off) > _OVERSHOT else 0.0
             went_on = stood is not None and math.dist(chair.pose[:2], stood[:2]) > _WENT_ON
             goal.rolls = goal.overshoot if went_on else 0.0
         goal.expected_rest = None
