@@ -24,6 +24,7 @@ P = SequenceParameters(
         ((-0.002, 0.0, -0.1), 1, Verdict.TURN),
         ((-0.004, 0.0, 0.0), 0, Verdict.MOVE),
         ((0.004, 0.0, 0.0), 0, Verdict.STAY),  # a little too deep: not worth driving back
+        ((0.005, 0.0, 0.0), 0, Verdict.MOVE),
         ((0.009, 0.0, 0.0), 0, Verdict.MOVE),
         ((0.006, 0.006, 0.0), 0, Verdict.MOVE),  # rather than another attempt
         ((0.0, -0.009, 0.0), 0, Verdict.AGAIN),  # no move on the spot mends that

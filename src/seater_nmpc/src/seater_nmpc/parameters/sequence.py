@@ -71,6 +71,9 @@ class SequenceParameters:
     corridor_heading_slope: float = param(
         0.5, "rad/m", "how fast the allowed heading error grows there", low=0.0, high=3.0
     )
+    arrival_way: float = param(
+        0.035, "m", "most that is driven near the dock while images and motors react", low=0.005, high=10.0
+    )
     hold_position: float = param(
         0.003, "m", "error along the dock's axis up to which the standing chair stays", low=0.0001, high=0.1
     )

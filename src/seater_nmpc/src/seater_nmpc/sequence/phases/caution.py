@@ -13,6 +13,8 @@ from seater_nmpc.sequence.phases.finding import Finding
 
 _BY_SIGHT = (Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.CORRECTING, Phase.STAGING)
 _DRIVING = (*_BY_SIGHT, Phase.UNDOCKING, Phase.SEARCHING)
+_NEAR = 0.2  # [m] before the dock
+_GROWTH = 3.3  # [1/m] of `arrival_way` with the distance beyond that
 
 
 class Caution:
@@ -35,7 +37,8 @@ class Caution:
         return self._wait_for_sight(chair)
 
     def limit_speed(self, backs_out: bool) -> None:
-        """So that a few images may fail before the chair has driven `max_blind_distance`; and backing out is slow.
+        """So that a few images may fail before the chair has driven `max_blind_distance`; backing out is slow, and so
+        are the last centimetres before the dock.
 
         Undocking goes by odometry alone.
         """
@@ -48,7 +51,20 @@ class Caution:
             v = p.max_blind_distance / max(IMAGES_THAT_MAY_FAIL * period, 1e-3)
         if backs_out and p.back_out_speed <= v:
             v, why = p.back_out_speed, ""  # as it should be: nothing to warn of
+        if phase is Phase.FINAL and self._arrival_speed() <= v:
+            v, why = self._arrival_speed(), ""
         self._context.controller.pace.limit(v=v, why=why)
+
+    def _arrival_speed(self) -> float:
+        """[m/s] at which what turns the chair aside (a wet spot, a castor) is seen and mended while there is way left
+        to mend it: `arrival_way` is driven until images have shown it and the motors have answered."""
+        c = self._context
+        if c.goal.error is None:
+            return math.inf
+        drive = c.controller.history
+        reaction = drive.delay + drive.drive.lag_v + c.observer.images.period
+        farther = max(0.0, -float(c.goal.error[0]) - _NEAR)
+        return c.parameters.arrival_way * (1.0 + _GROWTH * farther) / max(reaction, 1e-3)
 
     def _wait_to_be_sure(self, chair: Instant) -> Command | None:
         """Stand while it is not known what is in the way; not for ever."""

@@ -16,6 +16,7 @@ from seater_nmpc.parameters import SequenceParameters
 Array = NDArray[np.float64]
 Fresh = list[tuple[Instant, Measurement]]
 
+_BEYOND = 0.5  # of `release_position`, from which on it is driven back; a few millimetres turn no castor round
 _LARGEST_TURN = 0.12  # [rad] beyond that a turn on the spot may bring a corner to a wall
 
 
@@ -47,7 +48,7 @@ def judge(error: Array, moves: int, parameters: SequenceParameters, *, turn: boo
     """
     p = parameters
     x, y, heading = (abs(float(value)) for value in error)
-    beyond = error[0] > 0.0  # driving back would turn the castors round: only where it must be
+    beyond = error[0] > 0.0  # driving back is a reversal: not for less than that
     if y > p.release_position or heading > _LARGEST_TURN:
         return Verdict.AGAIN
     # Castors that a turn has swung out push on the same way when it drives on; on a slope the chair rolls on.
@@ -55,7 +56,8 @@ def judge(error: Array, moves: int, parameters: SequenceParameters, *, turn: boo
     if turn and moves < p.max_moves and heading > p.hold_heading and not (off and move and moves > 0):
         return Verdict.TURN
     near = math.hypot(x, y) <= p.release_position
-    if move and moves < p.max_moves and (not near if beyond else x > p.hold_position):
+    far = not near or x > _BEYOND * p.release_position if beyond else x > p.hold_position
+    if move and moves < p.max_moves and far:
         return Verdict.MOVE
     inside = near and heading <= p.release_heading
     return Verdict.STAY if inside else Verdict.AGAIN
