@@ -13,7 +13,7 @@ class Timeouts:
 
     detect: float = param(10.0, "s", "waiting for the dock", low=0.1, high=600.0)
     search: float = param(90.0, "s", "turning and driving to where the dock can be seen", low=1.0, high=600.0)
-    approach: float = param(40.0, "s", "approach", low=1.0, high=600.0)
+    approach: float = param(70.0, "s", "approach", low=1.0, high=600.0)
     final: float = param(60.0, "s", "final straight", low=1.0, high=600.0)
     stopping: float = param(5.0, "s", "coming to rest", low=0.5, high=60.0)
     correcting: float = param(20.0, "s", "small moves on the spot", low=0.5, high=120.0)
