@@ -13,8 +13,9 @@ from seater_nmpc.control.command import Command
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import STANDING, Asked, Context
+from seater_nmpc.sequence.rest.after_effects import AfterEffects
 from seater_nmpc.sequence.rest.correction import Verdict as Correction
-from seater_nmpc.sequence.rest.correction import judge, standing_dock
+from seater_nmpc.sequence.rest.correction import is_off, judge, standing_dock
 from seater_nmpc.sequence.rest.fine_move import FineMove
 from seater_nmpc.sequence.rest.verification import Verdict, Verification, within
 
@@ -24,6 +25,7 @@ _UNSEEN_IMAGES = 6  # times between two images
 _OVERSHOT = 0.008  # [m] beside where a stop was to end, from which on the next one allows for it
 _WENT_ON = 0.003  # [m] after its motors had to stand: it rolls
 _LAGS, _DOUBT = 2.5, 0.2  # times the lag, and [s], after the delay, until the motors have to stand
+_LONGEST_LAG = 0.4  # [s] that is waited for
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
 _OPENED = 0.5  # [s] without contact: no mere bounce of it
 _VERDICTS = {
@@ -43,21 +45,25 @@ class AtDock:
         """This phase begins; moves are counted, and learned from, until the chair leaves the dock."""
         self._verification: Verification | None = None
         self._motors_stand: Array | None = None  # pose in odom, in STOPPING
+        self._stand_from = math.inf  # time at which the motors stand [s]
         self._closed = self._context.goal.now  # the contact, when it was so last
         if phase not in (Phase.STOPPING, Phase.CORRECTING):
             self._moves = 0
             self._fine_move: FineMove | None = None
+            self._moved_from: Array | None = None  # error before it
+            self._after_effects = AfterEffects()
 
     def stop(self, chair: Instant) -> Asked:
         """STOPPING: stand until enough images were taken at rest, then decide what is to be done."""
         c, p = self._context, self._context.parameters
         c.look(chair)
         self._watch_roll(chair)
-        if not c.standstill.has_stood(chair.stamp, c.measured(chair)):
+        # Before the motors stand, one that they hold against its roll only seems to.
+        if not c.standstill.has_stood(chair.stamp, c.measured(chair)) or self._motors_stand is None:
             return STANDING
-        fresh = c.observer.measurements_since(c.standstill.since)
+        fresh = c.observer.measurements_since(max(c.standstill.since, self._stand_from))
         if len(fresh) < p.move_measurements:
-            late = chair.stamp - c.standstill.since > max(_UNSEEN, _UNSEEN_IMAGES * c.observer.images.period)
+            late = chair.stamp - max(c.standstill.since, self._stand_from) > max(_UNSEEN, _UNSEEN_IMAGES * c.observer.images.period)
             return Phase.VERIFY if late else STANDING
         c.goal.error = inverse(standing_dock(fresh))
         self._learn_roll(chair, float(c.goal.error[0]))
@@ -109,10 +115,12 @@ class AtDock:
 
     def _watch_roll(self, chair: Instant) -> None:
         """Note where the chair is when its motors have to stand."""
-        c, drive = self._context, self._context.controller.history
-        stand = c.goal.deadlines.entered + drive.delay + _LAGS * drive.drive.lag_v + _DOUBT
-        if self._motors_stand is None and chair.stamp >= stand:
-            self._motors_stand = chair.pose
+        if self._motors_stand is None:
+            drive = self._context.controller.history
+            lag = min(drive.drive.lag_v, _LONGEST_LAG)
+            self._stand_from = self._context.goal.deadlines.entered + drive.delay + _LAGS * lag + _DOUBT
+            if chair.stamp >= self._stand_from:
+                self._motors_stand = chair.pose
 
     def _learn_roll(self, chair: Instant, x: float) -> None:
         """From where the chair stands, `x` [m] in the dock's frame, after a stop that was to end elsewhere.
@@ -124,7 +132,7 @@ class AtDock:
             off = x - goal.expected_rest
             goal.overshoot = off if abs(off) > _OVERSHOT else 0.0
             went_on = stood is not None and math.dist(chair.pose[:2], stood[:2]) > _WENT_ON
-            goal.rolls = goal.overshoot if went_on else 0.0
+            goal.rolls = off if went_on and abs(off) > _WENT_ON else 0.0
         goal.expected_rest = None
 
     def _decide(self, error: Array) -> Phase:
@@ -134,19 +142,33 @@ class AtDock:
             return Phase.VERIFY
         if verdict is Correction.AGAIN:
             return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock")
-        self._moves += 1
+        self._moves, self._moved_from = self._moves + 1, error
         return Phase.CORRECTING
 
     def _choose(self, error: Array) -> Correction:
         """What is to be done; `_fine_move` is the move, if one is."""
-        c, before, use = self._context, self._fine_move, {"turn": True, "move": True}
+        c, p, before, effects = self._context, self._context.parameters, self._fine_move, self._after_effects
+        if before is not None and self._moved_from is not None:
+            effects.learn(before.turning, self._moved_from, error)
+            self._moved_from = None
+        if effects.shifts(p.hold_position):  # a turn costs another push or two: only where it must be
+            p = replace(p, hold_heading=max(p.hold_heading, p.release_heading))
+        use = {"turn": True, "move": True}
         while True:
-            verdict = judge(error, self._moves, c.parameters, **use)
+            pushed = use["move"] and self._moves < p.max_moves and is_off(float(error[0]), p)
+            turn = effects.turn_of_push(float(error[0])) if pushed else 0.0
+            verdict = judge(error + [0.0, 0.0, turn], self._moves, p, **use)
             if verdict not in (Correction.TURN, Correction.MOVE):
                 return verdict
-            turning, drive = verdict is Correction.TURN, c.controller.history.drive
-            move = FineMove(error, turning, drive, c.chair.limits, c.controller.period, before, rolls=c.goal.rolls)
+            move = self._move(error, verdict is Correction.TURN, before)
             if move.is_worthwhile:
                 self._fine_move = move
                 return verdict
-            use["turn" if turning else "move"] = False
+            use["turn" if verdict is Correction.TURN else "move"] = False
+
+    def _move(self, error: Array, turning: bool, before: FineMove | None) -> FineMove:
+        """A turn leaves what the push after it will turn."""
+        c, after = self._context, float(error[0]) + (self._after_effects.way_per_turn or 0.0)
+        leave = -self._after_effects.turn_of_push(after) if turning and is_off(after, c.parameters) else 0.0
+        drive, limits, period = c.controller.history.drive, c.chair.limits, c.controller.period
+        return FineMove(error, turning, drive, limits, period, before, rolls=c.goal.rolls, leave=leave)

@@ -39,6 +39,11 @@ def standing_measurement(fresh: Fresh) -> Measurement:
     return combine([in_frame(inverse(instant.pose), measurement) for instant, measurement in fresh])
 
 
+def is_off(x: float, parameters: SequenceParameters) -> bool:
+    """Whether a chair at `x` [m] of the dock's axis is worth a push; back only for more, as that is a reversal."""
+    return x < -parameters.hold_position or x > _BEYOND * parameters.release_position
+
+
 def judge(error: Array, moves: int, parameters: SequenceParameters, *, turn: bool = True, move: bool = True) -> Verdict:
     """Of a standing chair at `error` (3,) from the dock, after so many small moves.
 
@@ -48,7 +53,6 @@ def judge(error: Array, moves: int, parameters: SequenceParameters, *, turn: boo
     """
     p = parameters
     x, y, heading = (abs(float(value)) for value in error)
-    beyond = error[0] > 0.0  # driving back is a reversal: not for less than that
     if y > p.release_position or heading > _LARGEST_TURN:
         return Verdict.AGAIN
     # Castors that a turn has swung out push on the same way when it drives on; on a slope the chair rolls on.
@@ -56,8 +60,7 @@ def judge(error: Array, moves: int, parameters: SequenceParameters, *, turn: boo
     if turn and moves < p.max_moves and heading > p.hold_heading and not (off and move and moves > 0):
         return Verdict.TURN
     near = math.hypot(x, y) <= p.release_position
-    far = not near or x > _BEYOND * p.release_position if beyond else x > p.hold_position
-    if move and moves < p.max_moves and far:
+    if move and moves < p.max_moves and (is_off(float(error[0]), p) or (not near and error[0] > 0.0)):
         return Verdict.MOVE
     inside = near and heading <= p.release_heading
     return Verdict.STAY if inside else Verdict.AGAIN

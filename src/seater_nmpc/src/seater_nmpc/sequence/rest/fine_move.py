@@ -38,19 +38,22 @@ class FineMove:
         before: FineMove | None = None,
         *,
         rolls: float = 0.0,
+        leave: float = 0.0,
     ) -> None:
         """`error`: of the standing chair; `period` of the cycles [s]. `before`: the last move of this attempt, from
-        whose result it learns. `rolls` [m]: how far it went on by itself after its last stop."""
+        whose result it learns. `rolls` [m]: how far it went on by itself after its last stop. `leave` [m or rad]: the
+        error that is to be left, as what follows will mend it."""
         self.turning, self._index = turning, 2 if turning else 0
         self._axis, self._rate = (drive.omega, limits.alpha_max) if turning else (drive.v, limits.a_max)
         self._most = limits.omega_max if turning else limits.v_bay_max  # that is sent at the dock
         lag = drive.lag_omega if turning else drive.lag_v
         self._begin = float(error[self._index])
+        self._wanted = self._begin - leave
         self._learned: Learned = {} if before is None else before._learned_after(error)
-        key = (turning, self._begin > 0.0)
+        key = (turning, self._wanted > 0.0)
         if key not in self._learned:
             other = self._learned.get((turning, not key[1]))
-            way = -math.copysign(1.0, self._begin)  # that it is pushed
+            way = -math.copysign(1.0, self._wanted)  # that it is pushed
             self._learned[key] = MoveResponse(turning, self._axis, lag, other, rolls=way * rolls)
         self._response = self._learned[key]
         self._period = period
@@ -73,14 +76,14 @@ class FineMove:
             return None
         command = float(self._plan[self._cycle])
         self._cycle += 1
-        speed = -math.copysign(max(self._axis.effective(command), _TINY), self._begin)
+        speed = -math.copysign(max(self._axis.effective(command), _TINY), self._wanted)
         return (0.0, speed) if self.turning else (speed, 0.0)
 
     def _best(self) -> Array:
         """Commands (k,) of the push that leaves least; none where not moving leaves less."""
         smallest = self._axis.command(_TINY)
         speed = _FASTEST[self.turning]
-        if self._begin > 0.0:  # away from the dock; what it will roll back has to be driven in the same time, too
+        if self._wanted > 0.0:  # away from the dock; what it will roll back has to be driven in the same time, too
             speed += max(0.0, -self._response.roll) / (0.5 * _LONGEST)
         fastest = max(min(self._axis.command(speed), self._most), smallest)
         most = max(1, round(_LONGEST / self._period))
@@ -88,16 +91,16 @@ class FineMove:
         levels, cycles = np.linspace(smallest, fastest, _LEVELS), np.arange(1, most + 1)
         pushes = np.minimum(ramp, levels[:, None])[None] * (ramp <= ramp[cycles - 1, None])[:, None]
         pushes = pushes.reshape(-1, most)
-        losses = self._response.losses(pushes, self._period, abs(self._begin))
+        losses = self._response.losses(pushes, self._period, abs(self._wanted))
         best = pushes[np.argmin(losses)]
-        return best[best > 0.0] if losses.min() < self._begin**2 else np.zeros(0)
+        return best[best > 0.0] if losses.min() < self._wanted**2 else np.zeros(0)
 
     def _learned_after(self, error: Array) -> Learned:
         """What is known, given where the chair stands after this move."""
         left = float(error[self._index])
         if self.is_worthwhile:
-            self._response.learn(self._plan, self._period, math.copysign(1.0, self._begin) * (self._begin - left))
+            self._response.learn(self._plan, self._period, math.copysign(1.0, self._wanted) * (self._begin - left))
         for key, response in self._learned.items():
-            if key != (self.turning, self._begin > 0.0):
+            if key != (self.turning, self._wanted > 0.0):
                 response.forget()
         return self._learned

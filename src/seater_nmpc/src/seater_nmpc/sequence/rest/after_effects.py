@@ -1,0 +1,48 @@
+"""What small moves do beside what they are for, learned from one to the next.
+
+Castors that a turn on the spot has swung out turn the chair as it drives on, by about as much per metre as the last
+time; and while its brakes are open for a turn, a chair on a slope rolls, or the castors push it. So a turn that is to
+be followed by a push leaves what that push will turn.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_common.se2 import wrap_angle
+
+Array = NDArray[np.float64]
+
+_SHORTEST = 0.002  # [m] of a push, from which its turn per metre is learned
+_MOST = (3.0, 0.03)  # [rad/m, m] that is believed
+_NEWEST = 0.5  # weight of the newest move
+
+
+class AfterEffects:
+    """Of the moves at one dock. Errors (3,): the standing chair in the dock's frame [m, m, rad]."""
+
+    def __init__(self) -> None:
+        self.turn_per_way: float | None = None  # [rad/m] of a push
+        self.way_per_turn: float | None = None  # [m] of a turn on the spot
+
+    def learn(self, turning: bool, before: Array, after: Array) -> None:
+        """A move has brought the chair from one error to the other."""
+        way, turn = float(after[0] - before[0]), wrap_angle(float(after[2] - before[2]))
+        if turning:
+            self.way_per_turn = _mean(self.way_per_turn, way, _MOST[1])
+        elif abs(way) >= _SHORTEST:
+            self.turn_per_way = _mean(self.turn_per_way, turn / way, _MOST[0])
+
+    def shifts(self, most: float) -> bool:
+        """Whether a turn on the spot shifts the chair along the dock's axis by more than that [m]."""
+        return abs(self.way_per_turn or 0.0) > most
+
+    def turn_of_push(self, x: float) -> float:
+        """[rad] that the chair will turn as it is driven from `x` [m] to the dock."""
+        return -x * (self.turn_per_way or 0.0)
+
+
+def _mean(before: float | None, newest: float, most: float) -> float:
+    newest = min(max(newest, -most), most)
+    return newest if before is None else (1.0 - _NEWEST) * before + _NEWEST * newest
