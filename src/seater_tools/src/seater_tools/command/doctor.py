@@ -3,6 +3,8 @@
 Let the chair face the dock, the camera 1 to 1.5 m before the markers, without a goal, and leave the joystick alone.
 --move (while check.launch runs instead) asks on the terminal, then drives 0.3 m ahead, turns 20 deg to both sides and
 comes back: it tells the signs of motors and odometry, and where the camera sits.
+--stages, while anything runs, says which stage fails first (camera, detection, pose, observer, solver, sequence,
+obstacles, gate, base), why, and what to do; it exits with 1 when one fails.
 What each check says: docs/how-to/check_the_installation.md.
 Exit status: 0 nothing is wrong, 1 something is, 2 wrong input.
 """
@@ -51,6 +53,8 @@ def add_options(parser: argparse.ArgumentParser, config: Path) -> None:
     parser.add_argument("--move", action="store_true", help="drive a little as well, after asking")
     parser.add_argument("--way", type=float, default=0.3, metavar="M", help="of --move, ahead and back (0.3)")
     parser.add_argument("--turn", type=float, default=20.0, metavar="DEG", help="of --move, to both sides (20)")
+    parser.add_argument("--stages", action="store_true", help="only name the first stage of the docking that fails")
+    parser.add_argument("--values", action="store_true", help="of --stages: rates, ages and counts of each, too")
     parser.add_argument("--json", action="store_true", help="the results as JSON")
     parser.add_argument("--zip", type=Path, metavar="FILE", help="files, results and a short record, for support")
 
