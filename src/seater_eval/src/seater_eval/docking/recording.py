@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_common.bags import open_bag
 from seater_common.se2 import compose, inverse
 
 Array = NDArray[np.float64]
@@ -77,20 +78,12 @@ class Recording:
 
 def read_recording(path: str | Path) -> Recording:
     """Raises RecordingError when the bag is unreadable, or has nothing of a docking."""
-    import rosbag
-
     rows: dict[str, list[list[float]]] = {k: [] for k in ("truth", "odom", "dock", "images", "control", "commands")}
     recording = Recording()
-    try:
-        with rosbag.Bag(str(path)) as bag:
-            # Names as they were given to the recorder, with or without the leading slash.
-            names = [name for name in bag.get_type_and_topic_info()[1] if name.lstrip("/") in _READERS]
-            for topic, message, _ in bag.read_messages(topics=names):
-                _READERS[topic.lstrip("/")](message, rows, recording)
-            there = {name.lstrip("/") for name in names}
-            recording.missing = tuple(name for name in _READERS if name not in there and name not in _OPTIONAL)
-    except (OSError, rosbag.ROSBagException) as error:
-        raise RecordingError(f"cannot read the bag {path}: {error}") from error
+    with open_bag(path, RecordingError) as bag:
+        for topic, message, _ in bag.messages(_READERS):
+            _READERS[topic](message, rows, recording)
+        recording.missing = tuple(name for name in _READERS if name not in bag.topics and name not in _OPTIONAL)
     if not any(rows.values()):
         raise RecordingError(f"{path}: has no messages on any of {', '.join(_READERS)}; was a docking recorded?")
     recording.truth = _sorted(rows["truth"], 6)
