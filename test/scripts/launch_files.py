@@ -10,6 +10,8 @@ import rostest
 from roslaunch import RLException
 from roslaunch.config import ROSLaunchConfig, load_config_default
 
+from seater_tools.episodes.topics import TOPICS
+
 CONFIG = Path(rospkg.RosPack().get_path("seater_config"))
 LAUNCH = Path(rospkg.RosPack().get_path("seater_bringup")) / "launch"
 
@@ -29,6 +31,10 @@ def parameters(launch_file: str, *arguments: str) -> dict[str, object]:
 
 def panel_arguments(launch_file: str, *arguments: str) -> str:
     return next(node.args for node in resolve(launch_file, *arguments).nodes if node.name == "panel")
+
+
+def recorded(*arguments: str) -> list[str]:
+    return next(node.args for node in resolve("record.launch", *arguments).nodes if node.name == "record").split()
 
 
 class LaunchFiles(unittest.TestCase):
@@ -128,6 +134,16 @@ class LaunchFiles(unittest.TestCase):
 
     def test_record_and_replay(self) -> None:
         self.assertEqual(nodes("record.launch", "bag:=x.bag"), {"/record"})
+        # All that the small bag of a docking has: goals, emergency stop, joystick, gate.
+        for topic in TOPICS:
+            self.assertIn(topic, recorded("bag:=x.bag"))
+        self.assertIn("--lz4", recorded("bag:=x.bag"))
+        self.assertFalse(any(word.startswith("--split") for word in recorded("bag:=x.bag")))
+        words = recorded("bag:=x.bag", "compression:=bz2", "split:=500", "more:=scan points")
+        self.assertLessEqual({"--bz2", "--split", "--size=500", "scan", "points"}, set(words))
+        self.assertNotIn("--lz4", words)
+        with self.assertRaisesRegex(RLException, "zip"):
+            recorded("bag:=x.bag", "compression:=zip")
         self.assertEqual(nodes("replay.launch", "bag:=x.bag"), {"/marker_detector", "/docking", "/replay"})
         alone = nodes("replay.launch", "bag:=x.bag", "controller:=false")
         self.assertEqual(alone, {"/marker_detector", "/replay"})

@@ -27,6 +27,7 @@ from seater_tools.doctor.checks import run as run_checks
 from seater_tools.doctor.gather.drive import pieces
 from seater_tools.doctor.gather.machine import ProcessorTime, look_at_files, look_at_machine
 from seater_tools.doctor.gather.room import room_for
+from seater_tools.doctor.observations import ROLES as OBSERVED
 from seater_tools.doctor.observations import Live, Observations
 from seater_tools.doctor.report import as_json, describe, support_zip
 from seater_tools.doctor.setup import Setup
@@ -40,7 +41,7 @@ WAY, TURN = (0.05, 0.5), (0.0, 30.0)  # [m], [deg] that may be asked for
 def add_options(parser: argparse.ArgumentParser, config: Path) -> None:
     """`config`: folder of the default files."""
     defaults = {"chair": "chair.yaml", "dock": "docks/default.yaml", "camera": None, "controller": "controller.yaml"}
-    defaults |= {"perception": "perception.yaml", "safety": "safety.yaml"}
+    defaults |= {"perception": "perception.yaml", "safety": "safety.yaml", "obstacles": "obstacles.yaml"}
     for role, name in defaults.items():
         path = config / name if name is not None else None
         text = f"({name})" if name is not None else "the calibration (none: as camera_info says)"
@@ -62,8 +63,7 @@ def add_options(parser: argparse.ArgumentParser, config: Path) -> None:
 def run(options: argparse.Namespace) -> int:
     """Raises ParameterError (wrong input) and OSError (the zip file cannot be written)."""
     _check_numbers(options)
-    files = look_at_files({role: getattr(options, role) for role in
-                           ("chair", "dock", "camera", "controller", "perception", "safety")})  # fmt: skip
+    files = look_at_files({role: getattr(options, role) for role in OBSERVED})
     processor = ProcessorTime()
     observations = Observations(files)
     live = _watch(options, observations.setup) if rosgraph.is_master_online() else None

@@ -76,7 +76,9 @@ class Heard:
             return f"{name!r} is silent: does the node {name.rpartition(': ')[0]} run? (rosnode list, its log)"
         if worst is None:
             return "nobody says anything"
-        return f"{worst.name.rpartition(': ')[0]} says: {worst.text}" if worst.level else worst.text
+        if worst.level:
+            return f"{worst.name.rpartition(': ')[0]} says: {worst.text}"
+        return "; ".join(f"{entry.name.rpartition(': ')[0]}: {entry.text}" for entry in self.entries)
 
 
 def read_stages(path: Path) -> tuple[Stage, ...]:
