@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Every launch file of seater_bringup can be resolved, and the wheelchair's has no simulator inside."""
 
+import argparse
+import shlex
 import sys
 import unittest
 from pathlib import Path
@@ -10,6 +12,7 @@ import rostest
 from roslaunch import RLException
 from roslaunch.config import ROSLaunchConfig, load_config_default
 
+from seater_tools.command import doctor
 from seater_tools.episodes.topics import TOPICS
 
 CONFIG = Path(rospkg.RosPack().get_path("seater_config"))
@@ -120,6 +123,18 @@ class LaunchFiles(unittest.TestCase):
     def test_panel_and_rviz(self) -> None:
         watching = nodes("wheelchair.launch", "panel:=true", "rviz:=true") - nodes("wheelchair.launch")
         self.assertEqual(watching, {"/panel", "/scene", "/rviz"})
+
+    def test_the_panels_doctor_is_told_the_files_and_topics_of_the_launch(self) -> None:
+        said = "panel:=true", "chair_file:=/tmp/my chair.yaml", "image:=front/image", "image_transport:=compressed"
+        with self.assertRaisesRegex(RLException, "my chair"):  # such a file would have to be there
+            parameters("wheelchair.launch", *said)
+        words = shlex.split(str(parameters("wheelchair.launch", said[0], *said[2:])["/panel/doctor"]))
+        self.assertEqual(words[words.index("--image") + 1], "front/image")
+        self.assertEqual(words[words.index("--chair") + 1], str(CONFIG / "chair.yaml"))
+        self.assertIn("--compressed", words)
+        parser = argparse.ArgumentParser()
+        doctor.add_options(parser, CONFIG)
+        parser.parse_args(words)
 
     def test_the_panel_has_buttons_only_with_a_gate_that_watches_them(self) -> None:
         hold = "/safety_gate/safety/hold_to_run"

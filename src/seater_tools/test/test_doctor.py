@@ -202,3 +202,14 @@ def test_as_typed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def crosses(observations: Observations) -> list[Verdict]:
     return [verdict for verdict in checks.run(observations) if verdict.ok is False]
+
+
+@pytest.mark.parametrize(("told", "ok"), [(1.0, True), (0.0, None)])
+def test_what_a_launch_argument_switches_on_is_no_difference(good: Observations, told: float, ok: bool | None) -> None:
+    """panel:=true switches hold_to_run on; that it is off though the file has it on, is one."""
+    assert good.live is not None
+    file = {"hold_to_run": 0 if ok else 1}
+    safety = FileSeen("safety.yaml", values=file)
+    live = dataclasses.replace(good.live, told={"safety": {"hold_to_run": told}})
+    said = traffic.told(dataclasses.replace(good, files={**good.files, "safety": safety}, live=live))
+    assert said.ok is (ok or False), said

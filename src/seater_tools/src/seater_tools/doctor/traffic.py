@@ -24,6 +24,8 @@ STREAM_AGES = {
     "odom": 0.25,
     "image": 0.4,
 }  # [s] largest age of a stamp at arrival (controller: 0.34 s is ODOMETRY_LOST)
+# What launch arguments switch on, whatever the file says: panel, joystick_hold, emergency_stop of wheelchair.launch.
+STRICTER = ("safety/hold_to_run", "safety/emergency_stop_timeout")
 AHEAD = 0.02  # [s] that a stamp may lie in the future: clocks of one computer, rounding
 
 
@@ -145,11 +147,17 @@ def told(observations: Observations) -> Verdict:
 
 def _differences(observations: Observations, live: Live, role: str) -> list[str]:
     here, there = _leaves(observations.files[role].values), _leaves(live.told[role])
+    strict = {f"{role}/{key}" for key in there if f"{role}/{key}" in STRICTER and _stricter(here.get(key), there[key])}
     return [
         f"{role}/{key} {there.get(key, 'none')} (file {here.get(key, 'none')})"
         for key in sorted(here.keys() | there.keys())
-        if not _same(here.get(key), there.get(key))
+        if not _same(here.get(key), there.get(key)) and f"{role}/{key}" not in strict
     ]
+
+
+def _stricter(file: object, told: object) -> bool:
+    """Switched on, where the file has it off."""
+    return isinstance(told, int | float) and float(told) > 0.0 and not file
 
 
 def _leaves(values: object, prefix: str = "") -> dict[str, object]:
