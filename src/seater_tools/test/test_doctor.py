@@ -89,6 +89,16 @@ def test_what_the_simulator_cannot_make(good: Observations, check, changes) -> N
     assert check(dataclasses.replace(good, live=dataclasses.replace(good.live, **changes))).ok is False
 
 
+@pytest.mark.parametrize(("hertz", "ok"), [(9.8, True), (9.5, False)])
+def test_a_rate_is_counted_with_its_error(good: Observations, hertz: float, ok: bool) -> None:
+    """A commissioned chair with an odometry of 10 Hz was told "10 Hz, 10 are needed"."""
+    assert good.live is not None
+    arrivals = np.arange(0.0, 4.0, 1.0 / hertz)
+    topics = {**good.live.topics, "odom": Traffic("/odom", ("/base",), (), arrivals, arrivals)}
+    said = traffic.rate_of("odom")(dataclasses.replace(good, live=dataclasses.replace(good.live, topics=topics)))
+    assert said.ok is ok, said
+
+
 SCAN = Traffic("/scan", ("/lidar",))
 TEN_HZ = np.arange(0.0, 4.0, 0.1)
 
