@@ -99,7 +99,7 @@ class CameraMoves(unittest.TestCase):
     @classmethod
     def on_diagnostics(cls, message: DiagnosticArray) -> None:
         for status in message.status:
-            if "marker detection" in status.name:
+            if status.name.endswith("detector: detection"):
                 cls.diagnostics = {v.key: v.value for v in status.values}
 
     def counted(self, key: str) -> int:

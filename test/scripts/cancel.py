@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
 """The goal is cancelled while the chair drives: it stands, and stays standing. Then live parameters, by Debian's client
-of dynamic_reconfigure: between two goals, and in the middle of one."""
+of dynamic_reconfigure: between two goals, and in the middle of one. Then by commands as a person types them."""
 
+import subprocess
 import sys
+from subprocess import DEVNULL, PIPE
 from typing import Any
 
+import rospy
 import rostest
 from dynamic_reconfigure.client import Client
 from seater_test.harness import DockingCase
 
-from seater_msgs.msg import DockResult
+from seater_msgs.msg import DockActionResult, DockResult
 
 
 class Cancel(DockingCase):
@@ -51,6 +54,36 @@ class Cancel(DockingCase):
         self.assertEqual(self.result().result_code, DockResult.CANCELED)
         self.assertEqual(ask(v_max=0.6), "")
         self.assert_standing()
+
+    def test_typed_by_a_person(self) -> None:
+        """Debian's rostopic and dynparam are all that is needed; the last one in the alphabet, when the
+        simulation runs."""
+        results: list[DockActionResult] = []
+        rospy.Subscriber("dock/result", DockActionResult, results.append)
+        self.assertIn("v_max", typed("rosrun", "dynamic_reconfigure", "dynparam", "get", "docking/live"))
+        told = subprocess.Popen(
+            ["rostopic", "echo", "-n", "1", "/dock/result/result/result_text"], stdout=PIPE, text=True
+        )
+        self.addCleanup(told.kill)
+        self.publish("dock/goal", "seater_msgs/DockActionGoal", "{goal: {use_dock_id: true}}")
+        self.wait(lambda: bool(self.truth) and self.truth[-1][4] > 0.05, "the chair to drive")
+        self.publish("dock/cancel", "actionlib_msgs/GoalID", "{}")
+        self.wait(lambda: bool(results), "the result")
+        self.assertEqual(results[-1].result.result_code, DockResult.CANCELED)
+        self.assertIn(results[-1].result.result_text, told.communicate(timeout=60.0)[0])
+        self.let_pass(1.0)
+        self.assert_standing()
+
+    def publish(self, topic: str, kind: str, message: str) -> None:
+        """`rostopic pub -1`, which stays for three seconds; nobody waits for its end."""
+        process = subprocess.Popen(["rostopic", "pub", "-1", topic, kind, message], stdout=DEVNULL)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+
+
+def typed(*words: str) -> str:
+    """What a command prints."""
+    return subprocess.run(words, capture_output=True, text=True, timeout=60.0, check=True).stdout
 
 
 if __name__ == "__main__":

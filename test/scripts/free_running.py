@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
-"""Each part its own process, on the clock on the wall: a fault ends the docking at rest; once it is gone, it docks."""
+"""Each part its own process, on the clock on the wall: the stage that fails is named; a fault ends the docking at rest;
+once it is gone, it docks."""
 
+import json
 import subprocess
 import sys
 import time
@@ -27,6 +29,8 @@ class FreeRunning(DockingCase):
         self.assertEqual(refused.returncode, 1)
         self.assertIn("camera has no fault 'tired'", refused.stderr)
 
+        self.assert_camera_is_named()
+
         self.client.send()
         done = fail("camera", "cover", "--nearer", "1.1")
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -50,6 +54,22 @@ class FreeRunning(DockingCase):
         position, _ = self.final_error()
         self.assertLess(position, 0.03)
         self.assert_history([lost, disobeyed, result])
+
+    def assert_camera_is_named(self) -> None:
+        """Without images every stage still reports, and the camera, not one that waits for it, is the first to fail."""
+        self.assertEqual(fail("camera", "off").returncode, 0)
+        time.sleep(2.0)  # 1.5 s of silence
+        words = ["rosrun", "seater_tools", "doctor", "--stages", "--json", "--seconds", "1.5"]
+        done = subprocess.run(words, capture_output=True, text=True, timeout=60.0)
+        self.assertEqual(fail("camera", "clear").returncode, 0)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        said = json.loads(done.stdout)
+        self.assertEqual(said["first"], "camera", said["conclusion"])
+        self.assertIn("no image with its camera_info on /camera/color/image_raw for", said["conclusion"])
+        levels = {stage["name"]: stage["level"] for stage in said["stages"]}
+        unknown = [name for name, level in levels.items() if level == "STALE"]
+        self.assertEqual(unknown, ["obstacles", "inputs"])  # not launched here
+        self.assertEqual([name for name, level in levels.items() if level == "ERROR"], ["camera"], said)
 
     def assert_history(self, results: list[DockResult]) -> None:
         """A line for each docking, once the docking node's diagnostics have come."""

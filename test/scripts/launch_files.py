@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Every launch file of seater_bringup can be resolved, and the wheelchair's has no simulator inside."""
 
+import argparse
+import shlex
 import sys
 import unittest
 from pathlib import Path
@@ -9,6 +11,9 @@ import rospkg
 import rostest
 from roslaunch import RLException
 from roslaunch.config import ROSLaunchConfig, load_config_default
+
+from seater_tools.command import doctor
+from seater_tools.episodes.topics import TOPICS
 
 CONFIG = Path(rospkg.RosPack().get_path("seater_config"))
 LAUNCH = Path(rospkg.RosPack().get_path("seater_bringup")) / "launch"
@@ -29,6 +34,10 @@ def parameters(launch_file: str, *arguments: str) -> dict[str, object]:
 
 def panel_arguments(launch_file: str, *arguments: str) -> str:
     return next(node.args for node in resolve(launch_file, *arguments).nodes if node.name == "panel")
+
+
+def recorded(*arguments: str) -> list[str]:
+    return next(node.args for node in resolve("record.launch", *arguments).nodes if node.name == "record").split()
 
 
 class LaunchFiles(unittest.TestCase):
@@ -115,6 +124,18 @@ class LaunchFiles(unittest.TestCase):
         watching = nodes("wheelchair.launch", "panel:=true", "rviz:=true") - nodes("wheelchair.launch")
         self.assertEqual(watching, {"/panel", "/scene", "/rviz"})
 
+    def test_the_panels_doctor_is_told_the_files_and_topics_of_the_launch(self) -> None:
+        said = "panel:=true", "chair_file:=/tmp/my chair.yaml", "image:=front/image", "image_transport:=compressed"
+        with self.assertRaisesRegex(RLException, "my chair"):  # such a file would have to be there
+            parameters("wheelchair.launch", *said)
+        words = shlex.split(str(parameters("wheelchair.launch", said[0], *said[2:])["/panel/doctor"]))
+        self.assertEqual(words[words.index("--image") + 1], "front/image")
+        self.assertEqual(words[words.index("--chair") + 1], str(CONFIG / "chair.yaml"))
+        self.assertIn("--compressed", words)
+        parser = argparse.ArgumentParser()
+        doctor.add_options(parser, CONFIG)
+        parser.parse_args(words)
+
     def test_the_panel_has_buttons_only_with_a_gate_that_watches_them(self) -> None:
         hold = "/safety_gate/safety/hold_to_run"
         for launch in (("wheelchair.launch",), ("sim.launch", "lock_step:=false")):
@@ -128,6 +149,16 @@ class LaunchFiles(unittest.TestCase):
 
     def test_record_and_replay(self) -> None:
         self.assertEqual(nodes("record.launch", "bag:=x.bag"), {"/record"})
+        # All that the small bag of a docking has: goals, emergency stop, joystick, gate.
+        words = recorded("bag:=x.bag")
+        self.assertEqual(set(TOPICS) - set(words), set())
+        self.assertIn("--lz4", words)
+        self.assertNotIn("--split", words)
+        words = recorded("bag:=x.bag", "compression:=bz2", "split:=500", "more:=scan points")
+        self.assertLessEqual({"--bz2", "--split", "--size=500", "scan", "points"}, set(words))
+        self.assertNotIn("--lz4", words)
+        with self.assertRaisesRegex(RLException, "zip"):
+            recorded("bag:=x.bag", "compression:=zip")
         self.assertEqual(nodes("replay.launch", "bag:=x.bag"), {"/marker_detector", "/docking", "/replay"})
         alone = nodes("replay.launch", "bag:=x.bag", "controller:=false")
         self.assertEqual(alone, {"/marker_detector", "/replay"})

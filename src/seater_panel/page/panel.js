@@ -1,5 +1,6 @@
 // Puts what the server says on the page.
 import { Buttons } from "./buttons.js";
+import { Doctor } from "./doctor.js";
 import { Link, showImages } from "./link.js";
 import { Scene } from "./scene.js";
 
@@ -58,6 +59,7 @@ function show(view) {
   $("no-image").hidden = view.image;
   put("frame", view.scene.frame === "dock" ? "" : "the dock has not been seen yet");
   scene.draw(view.scene);
+  doctor.drives(Boolean(view.active));
 }
 
 // A list to choose from, where there are several docks; it keeps the choice, and begins with the dock in use.
@@ -91,6 +93,10 @@ function linkState(state) {
 
 const token = takeToken();
 const scene = new Scene($("scene"));
+const doctor = new Doctor(token, {
+  open: $("doctor-button"), close: $("doctor-close"), again: $("doctor-again"), text: $("doctor-text"),
+  list: $("doctor-list"), section: $("doctor"),
+});
 let link = null;
 const buttons = new Buttons([...document.querySelectorAll("button.hold")], $("stop"), {
   send: (message) => Boolean(link && link.send(message)), notice,

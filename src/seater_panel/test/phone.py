@@ -22,11 +22,19 @@ DOCK, UNDOCK, STOP = "#dock-button", "#undock", "#stop"
 Test = Callable[[FakePanel, Page], Awaitable[None]]
 
 
-def run(browser: Browser, test: Test, *, timeout: float = PATIENT, wire: Wire | None = None) -> None:
+def run(
+    browser: Browser,
+    test: Test,
+    *,
+    timeout: float = PATIENT,
+    wire: Wire | None = None,
+    prepare: Callable[[FakePanel], None] = lambda panel: None,
+) -> None:
     """`test` on a phone that has opened the panel; at its end no script has failed."""
 
     async def main() -> None:
         panel, wire_used = FakePanel(timeout), wire or Wire()
+        prepare(panel)
         async with panel.served() as url, wire_used.to(url) as near, aiohttp.ClientSession() as http:
             page = await browser.page(http)
             await page.begin(**PHONE)

@@ -11,6 +11,7 @@ import pytest
 from browser import Browser, Page
 from panels import FakePanel, until
 from phone import DOCK, STOP, UNDOCK, is_let_go, press, run
+from test_check import doctor, saying
 
 from seater_common.geometry import Dock
 from seater_panel.ros.image import to_jpeg
@@ -43,6 +44,28 @@ def test_one_of_several_docks_is_chosen_from_a_list(browser: Browser) -> None:
         assert "dock hall" in panel.chair.words()
 
     run(browser, test)
+
+
+def test_the_doctors_results_are_shown_faults_first_and_stop_stays(browser: Browser) -> None:
+    said = {"ok": False, "checks": [
+        {"name": "disk", "result": "ok", "what": "60 GB", "remedy": ""},
+        {"name": "odom rate", "result": "wrong", "what": "<b>2 Hz", "remedy": "look at the driver"},
+    ]}  # fmt: skip
+
+    async def test(panel: FakePanel, page: Page) -> None:
+        await page.value("document.getElementById('doctor-button').click()")
+        await page.until("document.querySelectorAll('#doctor-list li').length === 2")
+        text = await page.value("document.querySelector('#doctor-list li').textContent")
+        assert text == "\u2718 odom rate <b>2 Hz\u2192 look at the driver"
+        assert await page.value("document.getElementById('doctor-text').textContent") == "1 of 2 checks see a fault"
+        await press(panel, page)  # Dock and Stop are not covered
+        await page.until("document.getElementById('doctor-again').disabled === false")
+        await page.touch("touchEnd")
+        await is_let_go(panel)
+        x, y = await page.middle(STOP)
+        assert await page.value(f"document.elementFromPoint({x}, {y}).closest('button').id") == "stop"
+
+    run(browser, test, prepare=lambda panel: doctor(panel, saying(said)))
 
 
 WAYS = {

@@ -11,8 +11,10 @@ import pytest
 from printed import CONFIG
 
 from seater_common.camera_model import CameraModel
-from seater_tools.commissioning.hidden import FOCAL, draw_hidden
+from seater_common.params import ParameterError
+from seater_tools.commissioning.hidden import FOCAL, PAPER, draw_hidden
 from seater_tools.commissioning.report import bars, draw, end_of, table
+from seater_tools.correct.scale import printed_scale
 from seater_tools.trial.drive import Face, To
 
 SHORT = (
@@ -67,6 +69,30 @@ def test_an_installation_is_commissioned_and_docks(tmp_path: Path) -> None:
     said = (tmp_path / "2" / "said.txt").read_text()
     assert said.count("\nNext: ") >= 5 and said.count("[0]") == said.count("$ ")
     assert (tmp_path / "2" / "installation" / "dock.yaml").read_text().count("# Taught: ") == 1
+
+
+def test_bars_are_read_again_when_the_program_asks_for_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Seed 1012 reads the first time, by the errors of a ruler, a stretched print."""
+    from seater_tools.commissioning.technician import StepError, Technician
+
+    given: list[tuple[str, ...]] = []
+
+    def run(_: Technician, package: str, program: str, *words: str | Path, more: bool = False) -> bool:
+        if "--measured-bar" in words:
+            given.append(tuple(map(str, words[-2:])))
+            try:
+                printed_scale([float(word) for word in given[-1]], PAPER)
+            except ParameterError as error:
+                raise StepError(str(error)) from error
+        return True
+
+    monkeypatch.setattr(Technician, "_run", run)
+    hidden = draw_hidden(CONFIG, 1012)
+    Technician(hidden, CONFIG, tmp_path / "a").sheets()
+    assert given[0] == ("191.5", "192.6") and len(given) == 2
+    stretched = dataclasses.replace(hidden, bars=(hidden.bars[0],) * 3)
+    with pytest.raises(StepError, match="stretched"):
+        Technician(stretched, CONFIG, tmp_path / "b").sheets()
 
 
 def test_a_failure_says_why_and_misses_the_bar(tmp_path: Path) -> None:

@@ -12,11 +12,13 @@ import numpy as np
 import pytest
 from as_typed import run
 
-from seater_tools.doctor import checks, inputs, traffic
+from seater_common.params import read_yaml
+from seater_tools.doctor import checks, files, inputs, obstacles, traffic
 from seater_tools.doctor.gather.drive import SLOWEST, SPEED, Stepper, pieces
 from seater_tools.doctor.gather.image import white_of
-from seater_tools.doctor.observations import Live, Observations, Traffic
+from seater_tools.doctor.observations import Live, Observations, ObstaclesSeen, Traffic
 from seater_tools.doctor.report import as_json, describe, support_zip
+from seater_tools.doctor.setup import FileSeen
 from seater_tools.doctor.trial.accuracy import fault_outcomes
 from seater_tools.doctor.trial.faults import FAULTS
 from seater_tools.doctor.trial.scene import draw_scene
@@ -85,6 +87,47 @@ def test_marks_and_remedies_of_a_fault_are_printed() -> None:
 def test_what_the_simulator_cannot_make(good: Observations, check, changes) -> None:
     assert good.live is not None and check(good).ok
     assert check(dataclasses.replace(good, live=dataclasses.replace(good.live, **changes))).ok is False
+
+
+@pytest.mark.parametrize(("hertz", "ok"), [(9.8, True), (9.5, False)])
+def test_a_rate_is_counted_with_its_error(good: Observations, hertz: float, ok: bool) -> None:
+    """A commissioned chair with an odometry of 10 Hz was told "10 Hz, 10 are needed"."""
+    assert good.live is not None
+    arrivals = np.arange(0.0, 4.0, 1.0 / hertz)
+    topics = {**good.live.topics, "odom": Traffic("/odom", ("/base",), (), arrivals, arrivals)}
+    said = traffic.rate_of("odom")(dataclasses.replace(good, live=dataclasses.replace(good.live, topics=topics)))
+    assert said.ok is ok, said
+
+
+SCAN = Traffic("/scan", ("/lidar",))
+TEN_HZ = np.arange(0.0, 4.0, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("seen", "ok", "words"),
+    [
+        (None, None, "nothing looks for people"),
+        (ObstaclesSeen("scan", (SCAN,), TEN_HZ), True, "scan, 10 Hz of /scan"),
+        (ObstaclesSeen("scan", (Traffic("/scan"),), TEN_HZ), False, "nobody sends /scan"),
+        (ObstaclesSeen("scan", (SCAN,)), False, "obstacle_finder hears nothing of /scan"),
+        (ObstaclesSeen("scan"), False, "obstacle_finder hears nothing of any sensor"),
+        (ObstaclesSeen("scan", (SCAN,), TEN_HZ, "frame laser does not exist"), False, "frame laser does not exist"),
+        (ObstaclesSeen("depth", (SCAN,), TEN_HZ[::5]), False, "depth, 2 Hz of /scan, 4 are needed"),
+    ],
+)
+def test_the_sensor_of_obstacles(good: Observations, seen: ObstaclesSeen | None, ok: bool | None, words: str) -> None:
+    assert good.live is not None
+    said = obstacles.sensor(dataclasses.replace(good, live=dataclasses.replace(good.live, obstacles=seen)))
+    assert (said.ok, words in said.what) == (ok, True), said
+    assert (ok is False) == bool(said.remedy)
+
+
+def test_the_file_of_obstacles_is_checked(good: Observations) -> None:
+    values = read_yaml(CONFIG / "obstacles.yaml")
+    values["track"]["memory"] = -1.0
+    file = FileSeen("obstacles.yaml", values=values)
+    verdict = files.file_of("obstacles")(dataclasses.replace(good, files={**good.files, "obstacles": file}))
+    assert verdict.ok is False and "track/memory" in verdict.what
 
 
 def test_without_messages_nothing_is_judged_that_needs_them(good: Observations) -> None:
@@ -169,3 +212,14 @@ def test_as_typed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def crosses(observations: Observations) -> list[Verdict]:
     return [verdict for verdict in checks.run(observations) if verdict.ok is False]
+
+
+@pytest.mark.parametrize(("told", "ok"), [(1.0, True), (0.0, None)])
+def test_what_a_launch_argument_switches_on_is_no_difference(good: Observations, told: float, ok: bool | None) -> None:
+    """panel:=true switches hold_to_run on; that it is off though the file has it on, is one."""
+    assert good.live is not None
+    file = {"hold_to_run": 0 if ok else 1}
+    safety = FileSeen("safety.yaml", values=file)
+    live = dataclasses.replace(good.live, told={"safety": {"hold_to_run": told}})
+    said = traffic.told(dataclasses.replace(good, files={**good.files, "safety": safety}, live=live))
+    assert said.ok is (ok or False), said

@@ -89,7 +89,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
       stamp_timer_ = nh.createWallTimer(ros::WallDuration(kStampPeriod), &MarkerDetectorNodelet::checkStamps, this);
     }
     subscribed_ = true;
-    diagnostics_->setListening(true);
+    diagnostics_->setListening(true, nh.resolveName("image"));
   }
 
   void unsubscribe() {
@@ -99,7 +99,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     compressed_.unsubscribe();
     info_.unsubscribe();
     subscribed_ = false;
-    diagnostics_->setListening(false);
+    diagnostics_->setListening(false, "");
   }
 
   void onImage(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info) {

@@ -9,6 +9,9 @@ namespace {
 // (marker_fits.cpp).
 constexpr double kOverExposed = 0.3;
 
+constexpr double kSilent = 1.5;  // [s] without an image: a report and a half
+constexpr const char* kIdle = "idle: nobody listens";
+
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -26,14 +29,20 @@ Diagnostics::Diagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& p
                          const DiagnosticsParameters& parameters)
     : parameters_(parameters), updater_(handle, private_handle, name) {
   updater_.setHardwareID("camera");
-  updater_.add("marker detection", this, &Diagnostics::report);
+  updater_.add("camera", this, &Diagnostics::camera);
+  updater_.add("detection", this, &Diagnostics::detection);
+  updater_.add("pose", this, &Diagnostics::pose);
   // Wall time: a paused simulation must not silence it. The nodelet's own queue calls it, so nothing runs beside an
   // image.
-  timer_ =
-      handle.createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { updater_.force_update(); });
+  timer_ = handle.createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) {
+    rate_ = static_cast<double>(latency_.size() + errors_) / std::max(1e-3, (ros::WallTime::now() - since_).toSec());
+    updater_.force_update();
+    beginAnew();
+  });
 }
 
 void Diagnostics::published(const ImageReport& image) {
+  last_image_ = ros::WallTime::now();
   latency_.push_back(image.latency);
   processing_.push_back(image.processing_time);
   seen_ += image.dock_seen ? 1 : 0;
@@ -48,48 +57,96 @@ void Diagnostics::published(const ImageReport& image) {
 }
 
 void Diagnostics::failed(const std::string& reason) {
+  last_image_ = ros::WallTime::now();
   ++errors_;
   ++total_errors_;
   last_error_ = reason;
 }
 
-void Diagnostics::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
+void Diagnostics::setListening(bool listening, const std::string& topic) {
+  listening_ = listening;
+  topic_ = topic;
+  last_image_ = ros::WallTime::now();
+}
+
+// Whether images come, and are not over-exposed.
+void Diagnostics::camera(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  const ros::WallTime now = ros::WallTime::now();
-  const double rate = static_cast<double>(latency_.size()) / std::max(1e-3, (now - since_).toSec());
+  const double silence = (ros::WallTime::now() - last_image_).toSec();
   const double cut_off = markers_ > 0 ? cut_off_ / markers_ : 0.0;
   if (!listening_) {
-    status.summary(DiagnosticStatus::OK, "idle: nobody listens");
-  } else if (errors_ > 0) {
-    status.summary(DiagnosticStatus::ERROR, last_error_);
-  } else if (rate < parameters_.min_rate) {
-    status.summary(DiagnosticStatus::WARN, "too few images");
-  } else if (largest(latency_) > parameters_.max_latency) {
-    status.summary(DiagnosticStatus::WARN, "late");
+    status.summary(DiagnosticStatus::OK, kIdle);
+  } else if (silence > kSilent) {
+    status.summaryf(DiagnosticStatus::ERROR,
+                    "no image with its camera_info on %s for %.1f s: is the camera plugged in, does its driver run, is "
+                    "its topic the one of image:=?",
+                    topic_.c_str(), silence);
+  } else if (rate_ < parameters_.min_rate) {
+    status.summaryf(DiagnosticStatus::WARN,
+                    "%.1f images a second, %.1f are needed: a higher rate of the camera, USB 3, more light?", rate_,
+                    parameters_.min_rate);
   } else if (cut_off > kOverExposed) {
     status.summary(DiagnosticStatus::WARN, "over-exposed: lower the camera's exposure");
   } else {
-    status.summary(DiagnosticStatus::OK, "working");
+    status.summary(DiagnosticStatus::OK, "images come");
   }
-  status.add("rate [Hz]", rate);
+  status.add("topic", topic_);
+  status.add("rate [Hz]", rate_);
   status.add("smallest rate [Hz]", parameters_.min_rate);
+  status.add("image age [s]", silence);
+}
+
+// Whether images are worked through, in time, and what they show.
+void Diagnostics::detection(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (!listening_) {
+    status.summary(DiagnosticStatus::OK, kIdle);
+  } else if (errors_ > 0) {
+    status.summary(DiagnosticStatus::ERROR, "image not used: " + last_error_);
+  } else if (latency_.empty()) {
+    status.summary(DiagnosticStatus::OK, "waits for camera");
+  } else if (largest(latency_) > parameters_.max_latency) {
+    status.summaryf(
+        DiagnosticStatus::WARN,
+        "late: up to %.0f ms from the stamp of an image on, up to %.0f of them here: is the computer loaded, "
+        "are the stamps those of the exposure?",
+        1e3 * largest(latency_), 1e3 * largest(processing_));
+  } else {
+    status.summary(DiagnosticStatus::OK, markers_ > 0 ? "sees markers" : "no marker in view");
+  }
   status.add("latency, stamp to publication, median [ms]", 1e3 * median(latency_));
   status.add("latency, stamp to publication, largest [ms]", 1e3 * largest(latency_));
   status.add("largest latency allowed [ms]", 1e3 * parameters_.max_latency);
   status.add("processing time, median [ms]", 1e3 * median(processing_));
-  status.add("images with the dock", seen_);
-  status.add("images with two poses of the dock", ambiguous_);
   status.add("images with odometry", odometry_);
   status.add("full searches", full_searches_);
   status.add("markers", markers_);
-  status.add("markers fitted to grey levels [%]", markers_ > 0 ? 100.0 * photometric_ / markers_ : 0.0);
-  status.add("white of and round markers that is cut off [%]", 100.0 * cut_off);
+  status.add("white of and round markers that is cut off [%]", markers_ > 0 ? 100.0 * cut_off_ / markers_ : 0.0);
   status.add("errors", errors_);
   status.add("images since start", total_images_);
   status.add("full searches since start", total_full_searches_);
   status.add("errors since start", total_errors_);
   status.add("last error", last_error_);
-  since_ = now;
+}
+
+// Whether markers come to a pose of the dock.
+void Diagnostics::pose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (!listening_) {
+    status.summary(DiagnosticStatus::OK, kIdle);
+  } else if (markers_ > 0 && seen_ == 0) {
+    status.summary(DiagnosticStatus::WARN,
+                   "markers, but no pose of the dock: do their ids, sizes and places fit the dock file?");
+  } else {
+    status.summary(DiagnosticStatus::OK, seen_ > 0 ? "sees the dock" : "waits for detection");
+  }
+  status.add("images with the dock", seen_);
+  status.add("images with two poses of the dock", ambiguous_);
+  status.add("markers fitted to grey levels [%]", markers_ > 0 ? 100.0 * photometric_ / markers_ : 0.0);
+}
+
+void Diagnostics::beginAnew() {
+  since_ = ros::WallTime::now();
   latency_.clear();
   processing_.clear();
   seen_ = full_searches_ = odometry_ = ambiguous_ = errors_ = 0;

@@ -23,7 +23,8 @@ struct ImageReport {
   double cut_off = 0.0;      ///< sum of the markers' DetectedMarker::white_cut_off
 };
 
-/// Rate, latency (stamp to publication) and errors of the last seconds, on /diagnostics once per second of wall time.
+/// The stages camera, detection and pose on /diagnostics, each of the time since the last word: once per second of wall
+/// time. A stage that only waits for the one before it is in order.
 class Diagnostics {
  public:
   Diagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, const std::string& name,
@@ -31,16 +32,22 @@ class Diagnostics {
 
   void published(const ImageReport& image);
   void failed(const std::string& reason);
-  void setListening(bool listening) { listening_ = listening; }
+  /// Whether images of this topic are asked for.
+  void setListening(bool listening, const std::string& topic);
 
  private:
-  void report(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void camera(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void detection(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void pose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void beginAnew();
 
   DiagnosticsParameters parameters_;
   diagnostic_updater::Updater updater_;
   ros::WallTimer timer_;
-  ros::WallTime since_ = ros::WallTime::now();
+  ros::WallTime since_ = ros::WallTime::now(), last_image_ = since_;
   bool listening_ = false;
+  std::string topic_;
+  double rate_ = 0.0;  // [Hz] of images, between the last two reports
   // Since the last report, and (total_) since the start:
   std::vector<double> latency_, processing_;
   int seen_ = 0, full_searches_ = 0, odometry_ = 0, ambiguous_ = 0, errors_ = 0;

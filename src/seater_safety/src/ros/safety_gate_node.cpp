@@ -52,7 +52,7 @@ SafetyGateNode::SafetyGateNode(const GateParameters& parameters, const std::vect
   const ros::WallDuration period(kSupervisionPeriod);
   supervision_ = handle_.createSteadyTimer(period, &SafetyGateNode::onSupervision, this);
   updater_.setHardwareID("seater_safety");
-  updater_.add("velocity gate", this, &SafetyGateNode::diagnose);
+  updater_.add("gate", this, &SafetyGateNode::diagnose);
 }
 
 void SafetyGateNode::stop() {
@@ -209,8 +209,11 @@ void SafetyGateNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& statu
   const GateState state = gate_.state();
   const bool fault = state != GateState::kStopped && state != GateState::kRequest && state != GateState::kUser &&
                      state != GateState::kCharging;
-  status.summary(fault ? DiagnosticStatus::WARN : DiagnosticStatus::OK, toString(state));
-  status.add("reason", gate_.status(clocks_.now()).reason);
+  const std::string reason = gate_.status(clocks_.now()).reason;
+  const std::string text = toString(state) + (reason.empty() ? "" : ": " + reason);
+  const char* remedy = " (what to do: docs/safety.md#state-of-the-gate)";
+  status.summary(fault ? DiagnosticStatus::WARN : DiagnosticStatus::OK, fault ? text + remedy : text);
+  status.add("reason", reason);
   const bool watched = motion_.watches(clocks_.now());
   status.add("motion monitor", watched ? "on" : clocks_.lockStep() ? "off in lock-step" : "off: no odometry");
   status.add("requests refused (not finite)", gate_.refused());

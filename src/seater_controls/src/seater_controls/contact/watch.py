@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import threading
 import time
 from collections.abc import Callable
 from typing import Protocol
 
+from seater_controls.background import Background
 from seater_controls.contact.contact import Contact
 from seater_controls.contact.lines import LineError, Lines
 from seater_controls.settings import ContactSettings
@@ -22,8 +22,9 @@ class Readable(Protocol):
     def close(self) -> None: ...
 
 
-class Watch:
-    """`tell(pressed)` is called in its thread alone: one that hangs or has failed is silent, which the gate notices."""
+class Watch(Background):
+    """`tell(pressed)` is called in its thread alone: one that hangs or has failed is silent, which the gate notices.
+    The last word, after `stop`, is: pressed."""
 
     def __init__(
         self,
@@ -31,28 +32,13 @@ class Watch:
         tell: Callable[[bool], None],
         open_lines: Callable[[ContactSettings], Readable] = Lines,
     ) -> None:
+        super().__init__()
         self._settings, self._tell, self._open = settings, tell, open_lines
         self._contact = Contact(settings)
         self._lines: Readable | None = None
         self._asked = self._told_at = -math.inf
         self._told = False
         self._error = ""
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
-
-    def start(self) -> None:
-        """From now on."""
-        self._thread.start()
-
-    def stop(self) -> None:
-        """Soon; the last word is: pressed."""
-        self._stop.set()
-        self._thread.join(2.0)
-
-    @property
-    def alive(self) -> bool:
-        """The thread runs."""
-        return self._thread.is_alive()
 
     @property
     def why(self) -> str:

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Protocol
 
+from seater_controls.background import Background
 from seater_controls.joystick.device import Device, DeviceError, Event, Lost
 from seater_controls.joystick.stick import Stick, Wish
 from seater_controls.settings import JoystickSettings
@@ -25,32 +26,17 @@ class Readable(Protocol):
     def close(self) -> None: ...
 
 
-class Reader:
+class Reader(Background):
     """`wish` may be called from any thread. When the thread fails in a way that nobody has thought of, the joystick
     counts as gone, for good."""
 
     def __init__(
         self, settings: JoystickSettings, open_device: Callable[[JoystickSettings], Readable] = Device
     ) -> None:
+        super().__init__()
         self._settings, self._open = settings, open_device
         self._stick, self._lock = Stick(settings), threading.Lock()
-        self._stop = threading.Event()
         self.name = ""  # of the device that is open
-        self._thread = threading.Thread(target=self._run, daemon=True)
-
-    def start(self) -> None:
-        """From now on."""
-        self._thread.start()
-
-    def stop(self) -> None:
-        """Soon."""
-        self._stop.set()
-        self._thread.join(2.0)
-
-    @property
-    def alive(self) -> bool:
-        """The thread runs."""
-        return self._thread.is_alive()
 
     def wish(self) -> Wish:
         """What the person asks for now."""

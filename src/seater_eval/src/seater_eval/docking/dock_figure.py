@@ -24,6 +24,7 @@ PATH = "#1f6fb4"
 CHAIR = "#1f6fb4"
 GOAL = "#2e9e4f"
 START = "#d1852c"
+_KIND = {"truth": "true", "estimate": "estimated", "nothing": "estimated"}
 _LETTER = 0.009  # width of a letter in a phase's name over that of the time axis
 
 
@@ -34,8 +35,9 @@ def draw_docking(recording: Recording, summary: dict[str, Any], dock: Dock, chai
     _draw_map(figure.add_subplot(grid[:, 0]), recording, dock, chair)
     first = figure.add_subplot(grid[0, 1])
     _draw_speeds(first, recording)
-    time, _ = _relative_time(recording)
-    first.set_xlim(min(0.0, time[0]), time[-1])  # shared by all three; early commands carry no stamp
+    t0 = _begin(recording)
+    begin, end = recording.span
+    first.set_xlim(min(0.0, begin - t0), end - t0)  # shared by all three; early commands carry no stamp
     _draw_errors(figure.add_subplot(grid[1, 1], sharex=first), recording, dock)
     _draw_computation(figure.add_subplot(grid[2, 1], sharex=first), recording)
     figure.suptitle(_title(summary), fontsize=13)
@@ -44,13 +46,18 @@ def draw_docking(recording: Recording, summary: dict[str, Any], dock: Dock, chai
 
 
 def _title(summary: dict[str, Any]) -> str:
-    error = summary["true_error"]
+    by_truth = summary["judged_by"] == "truth"
+    error = summary["true_error"] if by_truth else summary["estimated_final_error"]
     word = "Docked" if summary["docked"] else f"NOT docked (result {summary['result_code']}: {summary['result_text']})"
-    return (
-        f"{word} in {summary['duration_s']:.1f} s. True final error: "
-        f"longitudinal {1e3 * error['longitudinal_m']:+.1f} mm, "
-        f"lateral {1e3 * error['lateral_m']:+.1f} mm, heading {error['heading_deg']:+.2f}°"
-    )
+    title = f"{word} in {summary['duration_s']:.1f} s. "
+    if error is not None:
+        title += (
+            f"{'True final error' if by_truth else 'Final error AS ESTIMATED'}: "
+            f"longitudinal {1e3 * error['longitudinal_m']:+.1f} mm, "
+            f"lateral {1e3 * error['lateral_m']:+.1f} mm, heading {error['heading_deg']:+.2f}°"
+        )
+    title += "" if by_truth else "\nno ground truth in the bag"
+    return title + (f"; not recorded: {', '.join(summary['missing'])}" if summary["missing"] and not by_truth else "")
 
 
 def _draw_map(axes: Axes, recording: Recording, dock: Dock, chair: Chair) -> None:
@@ -58,12 +65,14 @@ def _draw_map(axes: Axes, recording: Recording, dock: Dock, chair: Chair) -> Non
     for index, outline in enumerate(recording.obstacles):
         label = None if index else "obstacles"
         axes.add_patch(Polygon(outline, closed=True, facecolor=OBSTACLE, edgecolor="none", label=label))
-    poses = recording.truth[:, 1:4]
+    poses = recording.path[:, 1:4]
     for pose in _spaced(poses, 0.35):
         axes.add_patch(Polygon(chair.corners_at(pose), closed=True, fill=False, edgecolor=CHAIR, alpha=0.25, lw=0.8))
-    axes.plot(poses[:, 0], poses[:, 1], color=PATH, lw=2.0, label="path of the driven axle (true)")
-    _draw_chair(axes, chair, poses[0], START, "start")
-    _draw_chair(axes, chair, poses[-1], PATH, "end")
+    if len(poses):
+        label = f"path of the driven axle ({_KIND[recording.judged_by]})"
+        axes.plot(poses[:, 0], poses[:, 1], color=PATH, lw=2.0, label=label)
+        _draw_chair(axes, chair, poses[0], START, "start")
+        _draw_chair(axes, chair, poses[-1], PATH, "end")
     axes.add_patch(
         Polygon(chair.corners_at(dock.docked_pose), fill=False, edgecolor=GOAL, lw=1.6, ls="--", label="docking pose")
     )
@@ -71,7 +80,7 @@ def _draw_map(axes: Axes, recording: Recording, dock: Dock, chair: Chair) -> Non
     axes.set_aspect("equal")
     axes.set_xlabel("x in the dock frame [m]")
     axes.set_ylabel("y [m]")
-    axes.set_title("Seen from above")
+    axes.set_title("Seen from above" if len(poses) else "No path: odom or dock_pose_filtered was not recorded")
     axes.grid(alpha=0.3)
     axes.margins(0.06)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), fontsize=9, ncol=4, frameon=False)
@@ -111,9 +120,9 @@ def _draw_chair(axes: Axes, chair: Chair, pose: np.ndarray, colour: str, name: s
 
 
 def _draw_speeds(axes: Axes, recording: Recording) -> None:
-    time, t0 = _relative_time(recording)
-    axes.plot(time, recording.truth[:, 4], color=PATH, label="speed [m/s]")
-    axes.plot(time, recording.truth[:, 5], color=START, label="turning rate [rad/s]")
+    t0, motion = _begin(recording), recording.motion
+    axes.plot(motion[:, 0] - t0, motion[:, 4], color=PATH, label="speed [m/s]")
+    axes.plot(motion[:, 0] - t0, motion[:, 5], color=START, label="turning rate [rad/s]")
     if len(recording.commands):
         axes.step(
             recording.commands[:, 0] - t0,
@@ -135,29 +144,30 @@ def _draw_speeds(axes: Axes, recording: Recording) -> None:
             ls=":",
         )
     axes.axhline(0.0, color="black", lw=0.6)
-    axes.set_title("Speeds (true)")
+    axes.set_title("Speeds (true)" if len(recording.truth) else "Speeds (by the wheels)")
     axes.legend(loc="upper right", fontsize=8)
     axes.grid(alpha=0.3)
     _shade_phases(axes, recording, t0)
 
 
 def _draw_errors(axes: Axes, recording: Recording, dock: Dock) -> None:
-    time, t0 = _relative_time(recording)
-    x, y, heading = np.array([dock.docking_error(pose) for pose in recording.truth[:, 1:4]]).T
+    t0, path, kind = _begin(recording), recording.path, _KIND[recording.judged_by]
+    time = path[:, 0] - t0
+    x, y, heading = np.array([dock.docking_error(pose) for pose in path[:, 1:4]]).reshape(-1, 3).T
     axes.semilogy(time, 1e3 * np.hypot(x, y), color=PATH, label="distance [mm]")
     axes.semilogy(time, 1e3 * np.abs(y), color=GOAL, lw=1.0, label="lateral [mm]")
     axes.semilogy(time, np.degrees(np.abs(heading)), color=START, lw=1.0, label="heading [deg]")
     axes.axhline(1e3 * dock.tolerance.position, color=PATH, lw=0.8, ls="--", label="tolerance, distance")
     axes.axhline(math.degrees(dock.tolerance.heading), color=START, lw=0.8, ls="--", label="tolerance, heading")
     axes.set_ylim(bottom=1e-2)
-    axes.set_title("True error to the docking pose (logarithmic)")
+    axes.set_title(f"{kind.capitalize()} error to the docking pose (logarithmic)")
     axes.legend(loc="lower left", fontsize=8, ncol=2)
     axes.grid(alpha=0.3, which="both")
     _shade_phases(axes, recording, t0, names=False)
 
 
 def _draw_computation(axes: Axes, recording: Recording) -> None:
-    _, t0 = _relative_time(recording)
+    t0 = _begin(recording)
     if len(recording.control):
         axes.plot(recording.control[:, 0] - t0, 1e3 * recording.control[:, 1], ".", color=PATH, ms=4, label="solver")
     if len(recording.images):
@@ -168,17 +178,18 @@ def _draw_computation(axes: Axes, recording: Recording) -> None:
     axes.set_ylim(0.0, 1.25 * axes.get_ylim()[1])
     axes.set_title("Computing time [ms]")
     axes.set_xlabel("time since the goal [s]")
-    axes.legend(loc="upper right", fontsize=8)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="upper right", fontsize=8)
     axes.grid(alpha=0.3)
 
 
-def _relative_time(recording: Recording) -> tuple[np.ndarray, float]:
-    t0 = recording.goal_time if recording.goal_time is not None else float(recording.truth[0, 0])
-    return recording.truth[:, 0] - t0, t0
+def _begin(recording: Recording) -> float:
+    """[s] from which times count."""
+    return recording.goal_time if recording.goal_time is not None else recording.span[0]
 
 
 def _shade_phases(axes: Axes, recording: Recording, t0: float, names: bool = True) -> None:
-    ends = [t for t, _ in recording.phases[1:]] + [recording.truth[-1, 0]]
+    ends = [*(t for t, _ in recording.phases[1:]), recording.span[1]][: len(recording.phases)]
     free = -np.inf  # where the last name ends: of names that would overlap, the later ones are left out
     for index, ((start, name), end) in enumerate(zip(recording.phases, ends, strict=True)):
         if index % 2:
@@ -202,6 +213,8 @@ def _shade_phases(axes: Axes, recording: Recording, t0: float, names: bool = Tru
 
 def _spaced(poses: np.ndarray, spacing: float) -> list[np.ndarray]:
     """Poses that lie at least `spacing` [m] of driven way apart."""
+    if len(poses) == 0:
+        return []
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1))])
     wanted = np.arange(0.0, way[-1] + 1e-9, spacing)
     return [poses[int(np.searchsorted(way, w))] for w in wanted]

@@ -14,6 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_common.bags import open_bag
+from seater_common.se2 import compose, inverse
+
 Array = NDArray[np.float64]
 
 
@@ -40,24 +43,49 @@ class Recording:
     goal_time: float | None = None
     result_time: float | None = None
     result: Any = None  # seater_msgs/DockResult
+    missing: tuple[str, ...] = ()  # topics without a message of those that the report uses
+
+    @property
+    def judged_by(self) -> str:
+        """What `path` comes from: "truth", "estimate" (of the dock, and odometry), or "nothing"."""
+        if len(self.truth):
+            return "truth"
+        return "estimate" if len(self.odom) and len(self.dock_in_odom) else "nothing"
+
+    @property
+    def path(self) -> Array:
+        """(n, 6) as `truth`, in the dock's frame. Without it as the chair believed at each time, by the newest estimate
+        of the dock; before the first one, by that. Empty: neither was recorded."""
+        if self.judged_by != "estimate":
+            return self.truth
+        newest = np.searchsorted(self.dock_in_odom[:, 0], self.odom[:, 0], side="right") - 1
+        docks = self.dock_in_odom[np.maximum(newest, 0), 1:4]
+        poses = [compose(inverse(dock), pose) for dock, pose in zip(docks, self.odom[:, 1:4], strict=True)]
+        return np.column_stack([self.odom[:, 0], np.array(poses), self.odom[:, 4:6]])
+
+    @property
+    def motion(self) -> Array:
+        """(n, 6) whose times and speeds are those of the chair: the truth, else the odometry; may be empty."""
+        return self.truth if len(self.truth) else self.odom
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time of what is drawn [s]."""
+        rows = [r for r in (self.motion, self.commands, self.control, self.images, self.dock_in_odom) if len(r)]
+        first = rows[0]
+        return float(first[0, 0]), float(first[-1, 0])
 
 
 def read_recording(path: str | Path) -> Recording:
-    """Raises RecordingError when the bag is unreadable or has no ground truth."""
-    import rosbag
-
+    """Raises RecordingError when the bag is unreadable, or has nothing of a docking."""
     rows: dict[str, list[list[float]]] = {k: [] for k in ("truth", "odom", "dock", "images", "control", "commands")}
     recording = Recording()
-    try:
-        with rosbag.Bag(str(path)) as bag:
-            # Names as they were given to the recorder, with or without the leading slash.
-            names = [name for name in bag.get_type_and_topic_info()[1] if name.lstrip("/") in _READERS]
-            for topic, message, _ in bag.read_messages(topics=names):
-                _READERS[topic.lstrip("/")](message, rows, recording)
-    except (OSError, rosbag.ROSBagException) as error:
-        raise RecordingError(f"cannot read the bag {path}: {error}") from error
-    if not rows["truth"]:
-        raise RecordingError(f"{path}: holds no ground_truth; was it recorded in the simulation?")
+    with open_bag(path, RecordingError) as bag:
+        for topic, message, _ in bag.messages(_READERS):
+            _READERS[topic](message, rows, recording)
+        recording.missing = tuple(name for name in _READERS if name not in bag.topics and name not in _OPTIONAL)
+    if not any(rows.values()):
+        raise RecordingError(f"{path}: has no messages on any of {', '.join(_READERS)}; was a docking recorded?")
     recording.truth = _sorted(rows["truth"], 6)
     recording.odom = _sorted(rows["odom"], 6)
     recording.dock_in_odom = _sorted(rows["dock"], 4)
@@ -157,3 +185,4 @@ _READERS: dict[str, Any] = {
     "dock/feedback": _read_feedback,
     "dock/result": _read_result,
 }
+_OPTIONAL = ("ground_truth", "obstacles")  # said otherwise; there may be none

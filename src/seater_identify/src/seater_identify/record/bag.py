@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_common.bags import open_bag
 from seater_common.geometry import Chair, planar_pose
 from seater_common.messages import matrix_of_pose
 from seater_identify.record.recording import Recording, RecordingError
@@ -32,17 +33,11 @@ def read_bag(path: Path, chair: Chair, topics: Topics) -> Recording:
 
     Raises RecordingError when the bag cannot be read, or holds too few commands or too little odometry.
     """
-    import rosbag
-
     rows: dict[str, list[Any]] = {"command": [], "odometry": [], "dock": [], "covariance": []}
     names = {getattr(topics, kind).lstrip("/"): kind for kind in ("command", "odometry", "dock")}
-    try:
-        with rosbag.Bag(str(path)) as bag:
-            wanted = [t for t in bag.get_type_and_topic_info().topics if t.lstrip("/") in names]
-            for topic, message, time in bag.read_messages(topics=wanted):
-                _take(names[topic.lstrip("/")], message, time.to_sec(), chair, rows)
-    except (OSError, rosbag.ROSBagException) as error:
-        raise RecordingError(f"cannot read {path}: {error}") from error
+    with open_bag(path, RecordingError) as bag:
+        for topic, message, time in bag.messages(names):
+            _take(names[topic], message, time.to_sec(), chair, rows)
     missing = [getattr(topics, kind) for kind in ("command", "odometry") if not rows[kind]]
     if missing:
         raise RecordingError(f"{path}: has no messages on {' and '.join(missing)}")

@@ -83,6 +83,11 @@ class Images:
         return self._since_used[Outcome.GATE] >= count and self._doubted[1] - self._doubted[0] >= duration
 
     @property
+    def unused(self) -> Counter[Outcome]:
+        """What became of the images since the last one that was used."""
+        return Counter(self._since_used)
+
+    @property
     def why_unseen(self) -> str:
         """In words, why no image has been used of late."""
         total = sum(self._since_used.values())

@@ -62,7 +62,7 @@ class DockingNode:
         self._tf = TransformBuffer()
         self._tf_in = tf2_ros.TransformListener(self._tf)
         self._obstacles = Obstacles(self._tf, self._dock_frame, core.parameters.sequence.obstacle_timeout)
-        self._diagnostics = Diagnostics(core.controller, core.observer, self._period)
+        self._diagnostics = Diagnostics(core.controller, core.observer, self._period, self._age.silence)
         self._goals = Goals(self._inbox.put)
         self._client = ClientWatch(core.parameters.sequence.client_timeout)
         self._gate = Gate(self._inbox.put, lock_step=lock_step)
@@ -195,6 +195,7 @@ class DockingNode:
             self._out.request(command.v, command.omega)
             self._zeros = max(0, self._zeros - 1)
         self._report(command, step.phase.name)
+        self._diagnostics.step(step, self._core.sequence.held_by if self._core.sequence.held else "")
         self._goals.publish(step)
         if step.result is not None:
             if step.result.success and not self._core.sequence.staging:
@@ -214,6 +215,7 @@ class DockingNode:
 
     def _on_detections(self, message: MarkerDetectionArray) -> None:
         stamp = message.header.stamp
+        self._diagnostics.answered()
         if not self._dock_services.about(message):
             return
         hypotheses, markers = conversions.hypotheses(message), conversions.marker_sights(message)

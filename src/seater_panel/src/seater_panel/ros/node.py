@@ -15,6 +15,7 @@ from seater_panel.ros.chair import RosChair
 from seater_panel.ros.image import ImageFeed
 from seater_panel.ros.listen import Listener
 from seater_panel.view.model import view
+from seater_panel.web.check import Check
 from seater_panel.web.frames import Frames
 from seater_panel.web.panel import Panel
 
@@ -29,14 +30,21 @@ VIEW_PERIOD = 0.08  # [s] several pages share one view
 class PanelNode:
     """`act` False: it publishes nothing and gives no goals."""
 
-    def __init__(self, chair: Chair, dock: Dock, *, gate: str, act: bool) -> None:
+    def __init__(self, chair: Chair, dock: Dock, *, gate: str, act: bool, check: Check) -> None:
         self._chair, self._dock = chair, dock
         self._listener = Listener(chair.camera)
         self._view: tuple[float, dict[str, Any]] = (float("-inf"), {})
         self._changed = threading.Event()
         hold, frames = Hold(HOLD_TIMEOUT), Frames()
         self._driver = Driver(hold, RosChair(gate)) if act else None
-        self.panel = Panel(hold=hold, driver=self._driver, frames=frames, view=self.view, changed=self._changed.set)
+        self.panel = Panel(
+            hold=hold,
+            driver=self._driver,
+            frames=frames,
+            view=self.view,
+            changed=self._changed.set,
+            check=check,
+        )
         ImageFeed(frames.wanted, self._offer)
         if self._driver is not None:
             rospy.on_shutdown(self._end)

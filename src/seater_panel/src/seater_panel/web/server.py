@@ -23,6 +23,7 @@ FILES = {
     "/panel.js": ("panel.js", "text/javascript"),
     "/link.js": ("link.js", "text/javascript"),
     "/buttons.js": ("buttons.js", "text/javascript"),
+    "/doctor.js": ("doctor.js", "text/javascript"),
     "/scene.js": ("scene.js", "text/javascript"),
     "/icon.svg": ("icon.svg", "image/svg+xml"),
 }
@@ -39,6 +40,7 @@ MOST_PAGES = 8
 IMAGE_PATIENCE = 2.0  # [s]
 TOKEN_PATIENCE = 3.0  # [s] for the first message of a page
 LONGEST_MESSAGE = 1024  # bytes
+_NO_TOKEN = "the token is wrong or missing\n"
 WRONG_TOKEN = 4401  # close codes of the WebSocket, after HTTP's 401 and 503
 TOO_MANY = 4503
 
@@ -58,6 +60,7 @@ class Server:
         for path in FILES:
             application.router.add_get(path, self._file)
         application.router.add_get("/image", self._image)
+        application.router.add_post("/doctor", self._doctor)
         application.router.add_get("/socket", self._socket)
         application.on_startup.append(self._attach)
         application.on_shutdown.append(self._close)
@@ -85,10 +88,22 @@ class Server:
         content, kind = self._files[request.path]
         return web.Response(body=content, content_type=kind, charset="utf-8")
 
-    async def _image(self, request: web.Request) -> web.Response:
+    def _authorised(self, request: web.Request) -> bool:
         scheme, _, token = request.headers.get("Authorization", "").partition(" ")
-        if scheme != "Bearer" or not matches(token, self._token):
-            return web.Response(status=401, text="the token is wrong or missing\n")
+        return scheme == "Bearer" and matches(token, self._token)
+
+    async def _doctor(self, request: web.Request) -> web.Response:
+        if not self._authorised(request):
+            return web.Response(status=401, text=_NO_TOKEN)
+        if self._panel.check is None:
+            return web.Response(status=404, text="the doctor cannot be asked here\n")
+        if self._panel.view()["active"]:  # it needs a chair that stands, and time that the docking needs
+            return web.Response(status=409, text="the chair drives: ask when it stands\n")
+        return web.json_response(await self._panel.check.run())
+
+    async def _image(self, request: web.Request) -> web.Response:
+        if not self._authorised(request):
+            return web.Response(status=401, text=_NO_TOKEN)
         after = request.query.get("after", "0")
         newer = await self._panel.frames.newer(int(after) if after.isdecimal() else 0, IMAGE_PATIENCE)
         if newer is None:

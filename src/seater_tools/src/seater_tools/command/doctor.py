@@ -3,6 +3,8 @@
 Let the chair face the dock, the camera 1 to 1.5 m before the markers, without a goal, and leave the joystick alone.
 --move (while check.launch runs instead) asks on the terminal, then drives 0.3 m ahead, turns 20 deg to both sides and
 comes back: it tells the signs of motors and odometry, and where the camera sits.
+--stages, while anything runs, says which stage fails first (camera, detection, pose, observer, solver, sequence,
+obstacles, gate, base), why, and what to do; it exits with 1 when one fails.
 What each check says: docs/how-to/check_the_installation.md.
 Exit status: 0 nothing is wrong, 1 something is, 2 wrong input.
 """
@@ -25,6 +27,7 @@ from seater_tools.doctor.checks import run as run_checks
 from seater_tools.doctor.gather.drive import pieces
 from seater_tools.doctor.gather.machine import ProcessorTime, look_at_files, look_at_machine
 from seater_tools.doctor.gather.room import room_for
+from seater_tools.doctor.observations import ROLES as OBSERVED
 from seater_tools.doctor.observations import Live, Observations
 from seater_tools.doctor.report import as_json, describe, support_zip
 from seater_tools.doctor.setup import Setup
@@ -38,7 +41,7 @@ WAY, TURN = (0.05, 0.5), (0.0, 30.0)  # [m], [deg] that may be asked for
 def add_options(parser: argparse.ArgumentParser, config: Path) -> None:
     """`config`: folder of the default files."""
     defaults = {"chair": "chair.yaml", "dock": "docks/default.yaml", "camera": None, "controller": "controller.yaml"}
-    defaults |= {"perception": "perception.yaml", "safety": "safety.yaml"}
+    defaults |= {"perception": "perception.yaml", "safety": "safety.yaml", "obstacles": "obstacles.yaml"}
     for role, name in defaults.items():
         path = config / name if name is not None else None
         text = f"({name})" if name is not None else "the calibration (none: as camera_info says)"
@@ -51,6 +54,8 @@ def add_options(parser: argparse.ArgumentParser, config: Path) -> None:
     parser.add_argument("--move", action="store_true", help="drive a little as well, after asking")
     parser.add_argument("--way", type=float, default=0.3, metavar="M", help="of --move, ahead and back (0.3)")
     parser.add_argument("--turn", type=float, default=20.0, metavar="DEG", help="of --move, to both sides (20)")
+    parser.add_argument("--stages", action="store_true", help="only name the first stage of the docking that fails")
+    parser.add_argument("--values", action="store_true", help="of --stages: rates, ages and counts of each, too")
     parser.add_argument("--json", action="store_true", help="the results as JSON")
     parser.add_argument("--zip", type=Path, metavar="FILE", help="files, results and a short record, for support")
 
@@ -58,8 +63,7 @@ def add_options(parser: argparse.ArgumentParser, config: Path) -> None:
 def run(options: argparse.Namespace) -> int:
     """Raises ParameterError (wrong input) and OSError (the zip file cannot be written)."""
     _check_numbers(options)
-    files = look_at_files({role: getattr(options, role) for role in
-                           ("chair", "dock", "camera", "controller", "perception", "safety")})  # fmt: skip
+    files = look_at_files({role: getattr(options, role) for role in OBSERVED})
     processor = ProcessorTime()
     observations = Observations(files)
     live = _watch(options, observations.setup) if rosgraph.is_master_online() else None

@@ -29,6 +29,7 @@ DISTORTION = ((-0.08, 0.05), (0.0, 0.03), (-0.001, 0.001), (-0.001, 0.001), (0.0
 PRINTER = 0.02  # of all prints of one printer
 PLACE = (0.01, 0.01)  # [m] ahead of and beside the planned place, where the person wants the docked chair
 PAPER = PAPERS["a4"]
+READINGS = 3  # of the printed bars, when the program asks to read them again
 # No contact is wired: nothing but the camera says that the chair is docked.
 NO_CONTACT = Tolerance(0.0005, 0.0001)
 
@@ -37,7 +38,8 @@ NO_CONTACT = Tolerance(0.0005, 0.0001)
 class Hidden:
     """What is there, and what the person who installs it reads off ruler and tape.
 
-    bars: of the print, across and upright [mm]; empty: nobody measured them, and each print is off by itself
+    bars: of the print, across and upright [mm], as they are read the first time, the second ...; empty: nobody
+        measured them, and each print is off by itself
     tape: ids of the two markers farthest apart, and their distance as it was read [m]
     place: (x, y) [m] of base_link in the true dock frame, where the person wants the docked chair, about
     """
@@ -48,7 +50,7 @@ class Hidden:
     lens: CameraModel
     chair: Chair
     dock: Dock
-    bars: tuple[float, ...]
+    bars: tuple[tuple[float, ...], ...]
     tape: tuple[int, int, float]
     place: tuple[float, float]
 
@@ -66,7 +68,7 @@ def draw_hidden(config: Path, seed: int) -> Hidden:
     lens = draw_lens(CameraModel.load(config / "cameras" / "d455.yaml"), rng)
     measured = bool(rng.integers(2))
     truth = draw_installation(chair.camera, plan, Errors(size=0.0 if measured else PRINTER), rng)
-    dock, bars = _printed(truth.dock, rng) if measured else (truth.dock, ())
+    dock, bars = _printed(truth.dock, rng, seed) if measured else (truth.dock, ())
     wall = max(marker.position[0] for marker in dock.markers)
     dock = dataclasses.replace(dock, bay=dataclasses.replace(dock.bay, back_wall_x=wall), contact_tolerance=NO_CONTACT)
     pairs = [(math.dist(a.position, b.position), a.id, b.id) for a in dock.markers for b in dock.markers if a.id < b.id]
@@ -98,10 +100,12 @@ def draw_lens(nominal: CameraModel, rng: np.random.Generator) -> CameraModel:
             return lens
 
 
-def _printed(dock: Dock, rng: np.random.Generator) -> tuple[Dock, tuple[float, ...]]:
-    """All by one printer, and its bars as they are read."""
+def _printed(dock: Dock, rng: np.random.Generator, seed: int) -> tuple[Dock, tuple[tuple[float, ...], ...]]:
+    """All by one printer, and its bars as they are read, each time with the errors of a ruler."""
     scale = 1.0 + PRINTER * float(rng.uniform(-1, 1))
     sizes = [m.size * scale * (1.0 + PRINT_SD * float(rng.standard_normal())) for m in dock.markers]
     markers = [dataclasses.replace(m, size=size) for m, size in zip(dock.markers, sizes, strict=True)]
-    bars = (PAPER.bar * scale + READING * rng.standard_normal(2)).round(1)
-    return dataclasses.replace(dock, markers=markers), tuple(bars.tolist())
+    again = np.random.default_rng([seed, 42])  # whose draws change nothing else of the seed
+    errors = [rng.standard_normal(2), *again.standard_normal((READINGS - 1, 2))]
+    bars = tuple(tuple((PAPER.bar * scale + READING * error).round(1).tolist()) for error in errors)
+    return dataclasses.replace(dock, markers=markers), bars

@@ -3,6 +3,7 @@ one before has written. Knows of the truth only what eyes, ruler and tape say.""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -57,9 +58,18 @@ class Technician:
         self._run("seater_tools", "installation", self.installation.folder)
         words = (*self._here(), "--paper", PAPER.name)
         self._run("seater_tools", "sheets", *words)
-        if self.hidden.bars:
-            self._run("seater_tools", "sheets", *words, "--measured-bar", *(f"{bar:g}" for bar in self.hidden.bars))
+        self._measure_bars(words)
         self._run("seater_tools", "sheets", "--board", "charuco", "--results", self.folder)
+
+    def _measure_bars(self, words: Sequence[str]) -> None:
+        """Reads them again where the program asks for it."""
+        for attempt, bars in enumerate(self.hidden.bars, 1):
+            try:
+                self._run("seater_tools", "sheets", *words, "--measured-bar", *(f"{bar:g}" for bar in bars))
+                return
+            except StepError as error:
+                if "Read both again" not in str(error) or attempt == len(self.hidden.bars):
+                    raise
 
     def lens(self) -> None:
         """Takes views until they are enough."""

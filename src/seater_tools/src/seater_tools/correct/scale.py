@@ -26,7 +26,8 @@ def printed_scale(measured: Sequence[float], paper: Paper) -> float:
         lengths = " and ".join(f"{length:g}" for length in measured)
         raise ParameterError(
             f"--measured-bar: is {lengths} mm: stretched by {100 * stretched:.1f} % one way, must be <= "
-            f"{100 * MOST_STRETCHED:g} %: a marker's size is one number. Print at 100 %, or on another printer"
+            f"{100 * MOST_STRETCHED:g} %: a marker's size is one number. Read both again from end to end; if it "
+            "stays, print at 100 %, or on another printer"
         )
     return math.prod(scales) ** (1.0 / len(scales))
 

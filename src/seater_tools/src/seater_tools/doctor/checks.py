@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from seater_tools.doctor import camera, files, inputs, markers, motion, traffic
+from seater_tools.doctor import camera, files, inputs, markers, motion, obstacles, traffic
 from seater_tools.doctor.observations import ROLES, Observations
 from seater_tools.doctor.verdict import Verdict
 
@@ -40,6 +40,7 @@ RUNNING: tuple[Check, ...] = (
     inputs.gate,
     inputs.joystick,
     inputs.contact,
+    obstacles.sensor,
     inputs.complaints,
     motion.obeys,
     motion.odometry_sign,

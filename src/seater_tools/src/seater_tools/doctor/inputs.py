@@ -9,6 +9,7 @@ import numpy as np
 from seater_tools.doctor.markers import distance
 from seater_tools.doctor.observations import NOT_RUNNING, Observations
 from seater_tools.doctor.verdict import Verdict, good, unknown, wrong
+from seater_tools.stages.tree import stage_of
 
 FINE = ("STOPPED", "REQUEST", "USER")  # states of a gate that nothing is wrong with
 NEAR = 0.3  # [m] from the docked pose, beyond which the charging contact cannot be closed
@@ -123,7 +124,7 @@ def complaints(observations: Observations) -> Verdict:
     if live is None:
         return unknown(name, NOT_RUNNING)
     if live.complaints:
-        return wrong(
-            name, "; ".join(f"{node}: {text}" for node, text in live.complaints[:3]), "look at that node's log"
-        )
+        ordered = sorted(live.complaints, key=lambda complaint: stage_of(complaint[0]))  # the first is the cause
+        text = "; ".join(f"{entry}: {text}" for entry, text in ordered[:3])
+        return wrong(name, text, "begin with the first; all stages: ./seater doctor --stages")
     return good(name, "no errors")

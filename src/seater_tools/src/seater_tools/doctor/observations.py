@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 NOT_RUNNING = "no ROS master"  # why a check of a running system says nothing
 # Files by their role: the names of the programs' options, and of the parameters that the running nodes are given.
-ROLES = ("chair", "dock", "camera", "controller", "perception", "safety")
+ROLES = ("chair", "dock", "camera", "controller", "perception", "safety", "obstacles")
 # Topics by their role; the adapter knows what they are called.
 TOPICS = (
     "image", "camera_info", "odom", "detections", "gate_state", "cmd_vel", "velocity_request", "user_cmd_vel",
@@ -97,6 +97,16 @@ class GateSeen:
 
 
 @dataclass(frozen=True, eq=False)
+class ObstaclesSeen:
+    """What obstacle_finder makes of its sensor. arrivals: (n,) [s] of its answers, one for each measurement."""
+
+    kind: str  # scan, cloud, depth
+    topics: tuple[Traffic, ...] = ()  # that it listens to for measurements
+    arrivals: Array = field(default_factory=lambda: np.zeros(0))
+    blocked: str = ""  # why the newest measurement tells nothing
+
+
+@dataclass(frozen=True, eq=False)
 class Leg:
     """A piece of the drive between two stands: asked for, measured by the odometry, shown by the images; each (3,)
     x, y [m], heading [rad] of the end as seen from the begin. images: None where the dock was not seen at both."""
@@ -134,6 +144,7 @@ class Live:
     sights: tuple[Sight, ...] = ()
     odometry: Array = field(default_factory=lambda: np.zeros((0, 6)))
     gate: GateSeen | None = None
+    obstacles: ObstaclesSeen | None = None  # None: there is no sensor
     emergency_stop: bool | None = None
     joystick: Array = field(default_factory=lambda: np.zeros((0, 2)))
     contact: bool | None = None

@@ -10,8 +10,10 @@ from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError, load
 from seater_nmpc.parameters import NmpcParameters
+from seater_obstacles.settings import ObstacleSettings
 
 KINDS: dict[str, type] = {"chair": Chair, "dock": Dock, "camera": CameraModel, "controller": NmpcParameters}
+KINDS_ALONE: dict[str, type] = {"obstacles": ObstacleSettings}  # of which nothing but their order is asked
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ def parsed(file: FileSeen, role: str) -> tuple[Any, str]:
     """What it means (None of a role without a type here), and what is wrong with it (empty: nothing)."""
     if file.error:
         return None, file.error
-    kind = KINDS.get(role)
+    kind = KINDS.get(role) or KINDS_ALONE.get(role)
     try:
         if kind is CameraModel:
             return CameraModel.from_mapping(file.values, file.path), file.refused

@@ -19,11 +19,14 @@ NEEDED = {
     "detections": ("the node marker_detector", 8.0),
     "gate_state": ("the node safety_gate", 8.0),
 }
+COUNTED = 0.97  # of a rate: one of 10 Hz, counted over 4 s with jitter, is 9.7 Hz or more
 ALONE = ("odom", "image", "gate_state", "detections", "cmd_vel")  # topics that two senders would spoil
 STREAM_AGES = {
     "odom": 0.25,
     "image": 0.4,
 }  # [s] largest age of a stamp at arrival (controller: 0.34 s is ODOMETRY_LOST)
+# What launch arguments switch on, whatever the file says: panel, joystick_hold, emergency_stop of wheelchair.launch.
+STRICTER = ("safety/hold_to_run", "safety/emergency_stop_timeout")
 AHEAD = 0.02  # [s] that a stamp may lie in the future: clocks of one computer, rounding
 
 
@@ -91,7 +94,11 @@ def rate_of(role: str) -> Callable[[Observations], Verdict]:
         text = f"{hertz:.0f} Hz on {topic.name}"
         if len(topic.arrivals) == 0:
             return wrong(name, f"nothing arrives on {topic.name}", f"look at {who} and its log")
-        return good(name, text) if hertz >= least else wrong(name, f"{text}, {least:.0f} are needed", f"look at {who}")
+        return (
+            good(name, text)
+            if hertz >= COUNTED * least
+            else wrong(name, f"{text}, {least:.0f} are needed", f"look at {who}")
+        )
 
     return check
 
@@ -145,11 +152,17 @@ def told(observations: Observations) -> Verdict:
 
 def _differences(observations: Observations, live: Live, role: str) -> list[str]:
     here, there = _leaves(observations.files[role].values), _leaves(live.told[role])
+    strict = {f"{role}/{key}" for key in there if f"{role}/{key}" in STRICTER and _stricter(here.get(key), there[key])}
     return [
         f"{role}/{key} {there.get(key, 'none')} (file {here.get(key, 'none')})"
         for key in sorted(here.keys() | there.keys())
-        if not _same(here.get(key), there.get(key))
+        if not _same(here.get(key), there.get(key)) and f"{role}/{key}" not in strict
     ]
+
+
+def _stricter(file: object, told: object) -> bool:
+    """Switched on, where the file has it off."""
+    return isinstance(told, int | float) and float(told) > 0.0 and not file
 
 
 def _leaves(values: object, prefix: str = "") -> dict[str, object]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_common.bags import BagFile, open_bag
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import planar_pose
 from seater_common.messages import matrix_of_pose
@@ -33,22 +34,14 @@ def read_bag(path: Path, topics: Topics, camera: CameraModel | None) -> tuple[Dr
 
     Raises DriveError when the bag cannot be read, or holds too little; it names the topic.
     """
-    import rosbag
-
-    try:
-        with rosbag.Bag(str(path)) as bag:
-            known = {t.lstrip("/"): t for t in bag.get_type_and_topic_info().topics}
-            if camera is None:
-                camera = _camera(bag, known.get(topics.camera_info), path, topics)
-            missing = [name for name in (topics.detections, topics.odometry) if name not in known]
-            if missing:
-                raise DriveError(f"{path}: has no messages on {' and '.join(missing)}")
-            gatherer = Gatherer(camera)
-            wanted = {known[topics.detections]: take_detections, known[topics.odometry]: take_odometry}
-            for topic, message, _ in bag.read_messages(topics=list(wanted)):
-                wanted[topic](gatherer, message)
-    except (OSError, rosbag.ROSBagException) as error:
-        raise DriveError(f"cannot read {path}: {error}") from error
+    with open_bag(path, DriveError) as bag:
+        if camera is None:
+            camera = _camera(bag, path, topics)
+        wanted = {topics.detections: take_detections, topics.odometry: take_odometry}
+        bag.require(wanted)
+        gatherer = Gatherer(camera)
+        for topic, message, _ in bag.messages(wanted):
+            wanted[topic](gatherer, message)
     return gatherer.drive(), camera
 
 
@@ -75,10 +68,11 @@ def camera_of(message: Any) -> CameraModel:
     return CameraModel.from_mapping(values, "camera_info")
 
 
-def _camera(bag: Any, topic: str | None, path: Path, topics: Topics) -> CameraModel:
-    if topic is None:
-        raise DriveError(f"{path}: has no messages on {topics.camera_info}; name the topic, or give the calibration")
-    _, message, _ = next(bag.read_messages(topics=[topic]))
+def _camera(bag: BagFile, path: Path, topics: Topics) -> CameraModel:
+    topic = topics.camera_info
+    _, message, _ = next(bag.messages([topic]), (None, None, None))
+    if message is None:
+        raise DriveError(f"{path}: has no messages on {topic}; name the topic, or give the calibration")
     try:
         return camera_of(message)
     except ParameterError as error:

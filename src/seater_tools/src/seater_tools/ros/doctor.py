@@ -24,7 +24,7 @@ from std_msgs.msg import Bool
 from seater_common.geometry import Dock, planar_pose
 from seater_common.messages import matrix_of_pose, matrix_of_transform, names_of
 from seater_common.params import ParameterError
-from seater_msgs.msg import GateState, MarkerDetectionArray
+from seater_msgs.msg import GateState, MarkerDetectionArray, ObstaclePoints
 from seater_nmpc.ros.camera import from_message, info_topic
 from seater_nmpc.ros.conversions import hypotheses
 from seater_nmpc.ros.transforms import TransformBuffer
@@ -40,7 +40,10 @@ TOLD = {
     "camera": "docking/camera",
     "perception": "marker_detector/perception",
     "safety": "safety_gate/safety",
+    "obstacles": "obstacle_finder/obstacles",
 }
+FINDER = "obstacle_finder"  # and what it listens to beside its sensor
+BESIDE = ("/tf", "/tf_static", "/clock", "dock_in_use")
 STATES = names_of(GateState)
 
 
@@ -78,6 +81,7 @@ class SystemWatch:
         self._subscribe("user_cmd_vel", Twist, lambda m: self.watcher.joystick(m.linear.x, m.angular.z))
         self._subscribe("emergency_stop", Bool, lambda m: setattr(self.watcher.newest, "emergency_stop", m.data))
         self._subscribe("charging_contact", Bool, lambda m: setattr(self.watcher.newest, "contact", m.data))
+        self._subscribe("obstacle_points", ObstaclePoints, lambda m: setattr(self.watcher.newest, "blocked", m.blocked))
         rospy.Subscriber("/diagnostics", DiagnosticArray, self._take_diagnostics, queue_size=20)
 
     def live(self, dock: Dock | None) -> Live:
@@ -92,7 +96,10 @@ class SystemWatch:
             told=told,
         )
         live = self.watcher.live(base, self._traffic(), dock)
-        return replace(live, T_base_optical=self._mount(live.frames[1] or BASE, live.pictures.frame))
+        kind = rospy.get_param(f"{FINDER}/source", None)
+        obstacles = None if kind is None else self.watcher.obstacles(str(kind), self._sensors())
+        mount = self._mount(live.frames[1] or BASE, live.pictures.frame)
+        return replace(live, T_base_optical=mount, obstacles=obstacles)
 
     def end(self) -> None:
         """The node has done its work."""
@@ -166,6 +173,13 @@ class SystemWatch:
             role: Traffic(name, others(publishers.get(name, [])), others(subscribers.get(name, [])))
             for role, name in names.items()
         }
+
+    def _sensors(self) -> tuple[Traffic, ...]:
+        """What obstacle_finder was told to listen to for its measurements, whatever it is called."""
+        publishers, subscribers, _ = (dict(part) for part in rosgraph.Master(rospy.get_name()).getSystemState())
+        finder, beside = rospy.resolve_name(FINDER), {rospy.resolve_name(name) for name in BESIDE}
+        mine = sorted(topic for topic, nodes in subscribers.items() if finder in nodes and topic not in beside)
+        return tuple(Traffic(topic, tuple(publishers.get(topic, ()))) for topic in mine)
 
     def _mount(self, base: str, optical: str) -> Any:
         try:

@@ -98,7 +98,7 @@ class Recorder:
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            if status.name.endswith(": controller"):
+            if status.name.endswith(": sequence"):
                 found = {entry.key: _VALUE.match(entry.value) for entry in status.values if entry.key.startswith(_KEY)}
                 self._write({k.removeprefix(_KEY): (float(m["value"]), float(m["sd"])) for k, m in found.items() if m})
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from seater_common.bags import open_bag
 from seater_common.params import ParameterError
 from seater_tools.teach.teacher import Teacher
 
@@ -13,16 +14,8 @@ def hear_bag(path: Path, teacher: Teacher, odometry: str, detections: str) -> No
 
     Raises ParameterError: it cannot be read, or has no messages on a topic.
     """
-    import rosbag
-
     hears = {odometry.lstrip("/"): teacher.odometry, detections.lstrip("/"): teacher.detections}
-    try:
-        with rosbag.Bag(str(path)) as bag:
-            known = {topic.lstrip("/"): topic for topic in bag.get_type_and_topic_info().topics}
-            missing = [name for name in hears if name not in known]
-            if missing:
-                raise ParameterError(f"{path}: has no messages on {' and '.join(missing)}")
-            for topic, message, _ in bag.read_messages(topics=[known[name] for name in hears]):
-                hears[topic.lstrip("/")](message)
-    except (OSError, rosbag.ROSBagException) as error:
-        raise ParameterError(f"cannot read {path}: {error}") from error
+    with open_bag(path, ParameterError) as bag:
+        bag.require(hears)
+        for topic, message, _ in bag.messages(hears):
+            hears[topic](message)

@@ -15,6 +15,7 @@ from seater_common.files.scalars import Path, with_values
 from seater_common.geometry import Dock
 from seater_common.se2 import compose, inverse, transform_points, wrap_angle
 from seater_tools.correct.sizes import CORRECTED
+from seater_tools.correct.wall import wall_values
 from seater_tools.teach.measure import Measurement, TeachError
 
 Array = NDArray[np.float64]
@@ -41,7 +42,7 @@ class Teaching:
 def taught_text(text: str, name: str, dock: Dock, measured: Measurement, now: datetime.datetime) -> str:
     """The dock file's text with its frame where the measured chair stands docked; comments and all else stay.
 
-    Every marker keeps its place in the world, and so does the back wall.
+    Every marker keeps its place in the world, and so does the back wall, unless a print would hang behind it.
 
     Raises:
         TeachError: the chair stands too far from where the file has the docked one.
@@ -54,11 +55,14 @@ def taught_text(text: str, name: str, dock: Dock, measured: Measurement, now: da
             f"from the docked pose of {name} (at most {1000 * FARTHEST:.0f} mm, {math.degrees(MOST_TURNED):.0f} deg): "
             "is it this dock?"
         )
-    values: dict[Path, float] = {("bay", "back_wall_x"): (dock.bay.back_wall_x - moved[0]) / math.cos(moved[2])}
+    values: dict[Path, float] = {}
+    places = []
     for i, marker in enumerate(dock.markers):
         x, y = transform_points(inverse(moved), np.array([marker.position[:2]]))[0]
         values["markers", i, "position", 0], values["markers", i, "position", 1] = float(x), float(y)
+        places.append(float(x))
         values["markers", i, "normal_yaw"] = wrap_angle(marker.normal_yaw - moved[2])
+    values |= wall_values(dock.bay, (dock.bay.back_wall_x - moved[0]) / math.cos(moved[2]), places)
     return _with_line(with_values(text, values, name), _line(measured, now))
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import Dock
 from seater_tools.doctor.gather.image import Image, other_markers, white_of
-from seater_tools.doctor.observations import GateSeen, Live, Pictures, Sight, Traffic
+from seater_tools.doctor.observations import GateSeen, Live, ObstaclesSeen, Pictures, Sight, Traffic
 
 Array = NDArray[np.float64]
 
@@ -35,6 +35,7 @@ class _Newest:
     size: tuple[int, int] | None = None
     image_frame: str = ""
     frames: tuple[str, str] = ("", "")
+    blocked: str = ""  # of the obstacle finder
 
 
 class Watcher:
@@ -80,6 +81,12 @@ class Watcher:
         """An error on /diagnostics, the newest of each node is kept."""
         with self._lock:
             self._complaints[node] = text
+
+    def obstacles(self, kind: str, topics: tuple[Traffic, ...]) -> ObstaclesSeen:
+        """`topics` of the sensor."""
+        with self._lock:
+            times = np.array(self._times.get("obstacle_points", []), dtype=float).reshape(-1, 2)
+            return ObstaclesSeen(kind, topics, times[:, 1], self.newest.blocked)
 
     def since(self, begin: float) -> tuple[Array, list[Sight]]:
         """Odometry (n, 6) and sights with stamps from `begin` [s] on."""

@@ -1,0 +1,88 @@
+"""Bags, read in one way: names with or without the leading slash, and an error that names the file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+Failure = Callable[[str], Exception]  # of the caller's own kind, from a text
+
+
+class Raw(NamedTuple):
+    """A message that is not unpacked."""
+
+    topic: str  # as in the bag
+    kind: str  # e.g. nav_msgs/Odometry
+    data: bytes
+    time: Any  # rospy.Time of the recording
+    connection: dict[str, str]  # of its sender: message_definition, md5sum, callerid, latching
+
+
+@contextmanager
+def open_bag(path: str | Path, failure: Failure) -> Iterator[BagFile]:
+    """Raises what `failure` makes of a text: it cannot be read, now or later."""
+    import rosbag
+
+    try:
+        bag = rosbag.Bag(str(path))
+    except (OSError, rosbag.ROSBagException) as error:
+        raise _unreadable(path, error, failure) from error
+    with bag:
+        yield BagFile(path, bag, failure)
+
+
+class BagFile:
+    """An open bag. `topics`: those with messages, as they are in it, by their names without a leading slash."""
+
+    def __init__(self, path: str | Path, bag: Any, failure: Failure) -> None:
+        self._path, self._bag, self._failure = path, bag, failure
+        self.topics: dict[str, str] = {name.lstrip("/"): name for name in bag.get_type_and_topic_info().topics}
+
+    def require(self, names: Iterable[str]) -> None:
+        """Raises `failure` where a topic has no messages."""
+        missing = [name for name in names if name.lstrip("/") not in self.topics]
+        if missing:
+            raise self._failure(f"{self._path}: has no messages on {' and '.join(missing)}")
+
+    def messages(self, names: Iterable[str]) -> Iterator[tuple[str, Any, Any]]:
+        """(name without a leading slash, message, time of the recording) in recorded order, of those topics that there
+        are."""
+        there = self._there(names)
+        if there:
+            for topic, message, time in self._read(topics=there):
+                yield topic.lstrip("/"), message, time
+
+    def raw(self, names: Iterable[str]) -> Iterator[Raw]:
+        """The same without unpacking."""
+        there = self._there(names)
+        if there:
+            for topic, (kind, data, *_), time, header in self._read(
+                topics=there, raw=True, return_connection_header=True
+            ):
+                yield Raw(topic, kind, data, time, {_text(key): _text(value) for key, value in header.items()})
+
+    def _there(self, names: Iterable[str]) -> list[str]:
+        return [self.topics[name.lstrip("/")] for name in names if name.lstrip("/") in self.topics]
+
+    def _read(self, **options: Any) -> Iterator[Any]:
+        import rosbag
+
+        messages = self._bag.read_messages(**options)
+        while True:
+            try:
+                message = next(messages, None)
+            except (OSError, rosbag.ROSBagException) as error:
+                raise _unreadable(self._path, error, self._failure) from error
+            if message is None:
+                return
+            yield message
+
+
+def _unreadable(path: str | Path, error: Exception, failure: Failure) -> Exception:
+    return failure(f"cannot read the bag {path}: {error} (rosbag reindex mends one that was cut off)")
+
+
+def _text(value: Any) -> str:
+    return value.decode() if isinstance(value, bytes) else str(value)
