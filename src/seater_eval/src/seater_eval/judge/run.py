@@ -110,7 +110,7 @@ class _Loop:
         self.start = draw_start(job.row.starts, files.chair, files.dock, camera, streams[1])
         self.built = draw_built(effects, streams[2])
         self._chair = IndependentChair(effects, self.built, self.start, streams[3])
-        self._injector = Injector(job.row.fault)
+        self._injector = Injector(job.row.fault, files.dock.markers)
         self._odometry = WheelOdometry(effects.encoders, _BEGIN, _ORIGIN, streams[4])
         self.driver = self._make_driver(streams[5])
         self._image = _BEGIN + streams[5].uniform(0.0, 1.0 / effects.pictures.rate)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.geometry import Chair, Dock
+from seater_nmpc.observe.images import Jump
 from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.prediction import CommandHistory
@@ -18,6 +19,7 @@ from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Contradiction, Kind
 from seater_nmpc.plausibility.image_motion import Shown, contradiction, speeds_by_images
 from seater_nmpc.plausibility.installation import KEYS, NAMES, Installation
+from seater_nmpc.plausibility.jump import Shift, sudden
 from seater_nmpc.plausibility.markers import Markers
 from seater_nmpc.plausibility.response import Response
 
@@ -44,11 +46,14 @@ class Watch:
         self._installation = Installation(chair.camera, dock, observer.parameters)
         self._begun, self._compared = 0.0, -np.inf  # [s] begin of the goal; newest image that was compared
         self._suspected: deque[bool] = deque(maxlen=_CONFIRMED[1])  # whether the last images contradict the odometry
+        self._jump: Jump | None = None  # the newest one that was looked at
+        self._shift: Shift | None = None  # how far the dock has jumped in this goal
 
     def begin(self, now: float) -> None:
         """A goal begins at message time `now` [s]."""
         self._begun = now
         self._suspected.clear()
+        self._jump, self._shift = self._observer.images.jump, None
         self._response.restart(now)
         self._markers.restart()
         self._installation.restart()
@@ -63,6 +68,7 @@ class Watch:
 
     def check(self, now: float) -> Contradiction | None:
         """At message time `now` [s]."""
+        self._note_jump()
         found = self._motion_in_images() or self._response.check(now, self._observer.odometry)
         if found is not None and found.kind is Kind.BLOCKED:
             found = self._odometry_stands(now) or found
@@ -81,6 +87,10 @@ class Watch:
         text = f"images and odometry fit together only if the chair is {off} off: check {NAMES[error.suspect]}"
         return Contradiction(Kind.INCONSISTENT, f"{text} (chair.yaml, camera_info, the dock's file)")
 
+    def jumped(self) -> Contradiction | None:
+        """Whether the dock has jumped in the images of this goal, so that where the chair stands is not sure."""
+        return None if self._shift is None else Contradiction(Kind.INCONSISTENT, self._shift.text)
+
     @property
     def installation(self) -> dict[str, tuple[float, float]]:
         """By how much mount (x, y [m], yaw [rad]) and depths (share) seem to be off by this goal so far, and the
@@ -96,6 +106,12 @@ class Watch:
         """(3,) by which the docked chair seems to be off because of the installation: x, y [m], heading [rad]."""
         error = self._installation.error()
         return np.zeros(3) if error is None else error.final
+
+    def _note_jump(self) -> None:
+        newest = self._observer.images.jump
+        if newest is not None and newest is not self._jump:
+            self._shift = self._shift or sudden(newest, self._parameters)
+        self._jump = newest
 
     def _shown(self) -> Shown:
         return [entry for entry in self._observer.images.shown if entry[0].stamp >= self._begun]

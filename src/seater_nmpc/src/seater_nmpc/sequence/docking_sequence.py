@@ -81,6 +81,7 @@ class DockingSequence:
             motion=self._motion,
             navigator=navigator or Navigator(chair, dock, controller.parameters),
             parameters=self._parameters,
+            watch=self._watch,
             require_contact=require_contact,
         )
         self._goal, self._phases = self._context.goal, Phases(self._context)
@@ -274,8 +275,11 @@ class DockingSequence:
         return self._goal.phase is not Phase.UNDOCKING and not self._goal.staging
 
     def _doubted(self, end: GoalEnd) -> tuple[ResultCode, str]:
-        """Code and text of a goal's end: of one at the dock, those of a wrong installation that shows."""
-        doubt = self._watch.final() if end.code in _AT_THE_DOCK and self._docking else None
+        """Code and text of a goal's end: of one at the dock, those of a wrong installation that shows, or of a dock
+        that has jumped in the images; not the latter where the contact says that the chair stands in it."""
+        doubt = None
+        if end.code in _AT_THE_DOCK and self._docking:
+            doubt = self._watch.final() or (None if self._goal.contact else self._watch.jumped())
         if doubt is None:
             return end.code, end.text
         failed = "" if end.code is ResultCode.SUCCESS else f"{end.text}: "
