@@ -265,6 +265,13 @@ def test_a_focal_length_that_changes_in_the_bay_is_no_success(make_world, share,
     assert result.text.startswith("on the way the dock jumped by") and "check the focal length" in result.text
 
 
+def test_a_jump_in_the_images_is_no_speed(make_world) -> None:
+    """It ended with ODOMETRY_WRONG, "0.35 m/s by the images", or with WHEELS_SLIP."""
+    world, _ = driving(make_world, (-1.2, 0.03, 1.0), -0.3)
+    world.shows = refocused(0.05)
+    assert "the dock jumped by" in ends(world, ResultCode.INCONSISTENT, 1.0).text
+
+
 def test_a_contact_that_does_not_close_after_a_jump_says_so(make_world) -> None:
     result = refocused_in_the_bay(make_world, 0.1, require_contact=True, contact=lambda w: abs(w.truth[0]) < 0.02)
     assert result.code is ResultCode.INCONSISTENT, result

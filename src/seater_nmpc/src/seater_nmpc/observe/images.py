@@ -33,7 +33,7 @@ _TEXTS = {
 
 @dataclass(frozen=True)
 class Jump:
-    """The dock was acquired anew, where images that were not believed at first agreed to show it."""
+    """The dock was acquired anew, or may be, where images that were not believed at first show it."""
 
     before: Instant  # the chair at the last image that was used
     doubted: list[tuple[Instant, Array, Innovation]]  # the first of them: chair, dock (3,) in odom, how far off that is
@@ -82,8 +82,8 @@ class Images:
         elif fusion.outcome.accepted:
             if fusion.outcome is Outcome.FUSED and as_expected and doubted:
                 self._drop(*self._doubted)
-            if fusion.outcome is Outcome.REACQUIRED and self._used is not None:
-                self.jump = Jump(self._used, self._off)
+            if fusion.outcome is Outcome.REACQUIRED:
+                self.jump = self.doubted
             self._last_rejected, self._off, self._used = None, [], chair
             self._since_used.clear()
 
@@ -95,6 +95,11 @@ class Images:
     def period(self) -> float:
         """Usual time between two images [s], whatever they show; 0 before there are three."""
         return float(np.median(np.diff(np.array(self._stamps)))) if len(self._stamps) > 2 else 0.0
+
+    @property
+    def doubted(self) -> Jump | None:
+        """What the first images show that were not believed since the last used one; None: all were."""
+        return None if self._used is None or not self._off else Jump(self._used, list(self._off))
 
     @property
     def contradict(self) -> bool:

@@ -128,7 +128,13 @@ class Watch:
         speeds = speeds_by_images(shown, self._middle)
         found = contradiction(speeds, self._parameters) if speeds is not None else None
         self._suspected.append(found is not None)
-        return found if sum(self._suspected) >= _CONFIRMED[0] else None
+        return self._jumping() or found if sum(self._suspected) >= _CONFIRMED[0] else None
+
+    def _jumping(self) -> Contradiction | None:
+        """Whether images that contradict the odometry do so at once: a jump is no speed."""
+        doubted = self._observer.images.doubted
+        shift = None if doubted is None else sudden(doubted, self._parameters)
+        return None if shift is None else Contradiction(Kind.INCONSISTENT, shift.text)
 
     def _odometry_stands(self, now: float) -> Contradiction | None:
         """Whether a chair that stands by its odometry moves by the few images of this time."""
