@@ -18,7 +18,7 @@ from seater_nmpc.observe.prediction import CommandHistory
 from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Contradiction, Kind
 from seater_nmpc.plausibility.image_motion import Shown, contradiction, speeds_by_images
-from seater_nmpc.plausibility.installation import KEYS, NAMES, Installation
+from seater_nmpc.plausibility.installation import KEYS, NAMES, Installation, Knowledge
 from seater_nmpc.plausibility.jump import Shift, sudden
 from seater_nmpc.plausibility.markers import Markers
 from seater_nmpc.plausibility.response import Response
@@ -102,10 +102,26 @@ class Watch:
         return {name: (float(v), float(sd)) for name, v, sd in zip(KEYS, error.values, sds, strict=True)}
 
     @property
-    def final_error(self) -> Array:
-        """(3,) by which the docked chair seems to be off because of the installation: x, y [m], heading [rad]."""
+    def final_error(self) -> tuple[Array, Array]:
+        """(3,) by which the docked chair seems to be off because of the installation: x, y [m], heading [rad], and the
+        covariance (3, 3) of that."""
         error = self._installation.error()
-        return np.zeros(3) if error is None else error.final
+        return (np.zeros(3), np.zeros((3, 3))) if error is None else (error.final, error.spread)
+
+    def learn(self) -> None:
+        """A docking has ended at the dock: remember what it has shown, unless the dock has jumped."""
+        if self._shift is None:
+            self._installation.learn()
+
+    @property
+    def knowledge(self) -> Knowledge:
+        """Of the installation, by the dockings so far."""
+        return self._installation.known
+
+    @knowledge.setter
+    def knowledge(self, known: Knowledge) -> None:
+        self._installation.known = known
+        self._installation.restart()
 
     def _note_jump(self) -> None:
         newest = self._observer.images.jump

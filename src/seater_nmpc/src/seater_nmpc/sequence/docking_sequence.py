@@ -29,6 +29,7 @@ from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import PlausibilityParameters, SequenceParameters
 from seater_nmpc.plan.navigator import Navigator
+from seater_nmpc.plausibility.installation import Knowledge
 from seater_nmpc.plausibility.watch import Watch
 from seater_nmpc.sequence.ends import Ends
 from seater_nmpc.sequence.goal.deadlines import Pause
@@ -271,6 +272,15 @@ class DockingSequence:
         return self._watch.installation
 
     @property
+    def knowledge(self) -> Knowledge:
+        """Of the installation, by the dockings so far; may be set between goals."""
+        return self._watch.knowledge
+
+    @knowledge.setter
+    def knowledge(self, known: Knowledge) -> None:
+        self._watch.knowledge = known
+
+    @property
     def _docking(self) -> bool:
         return self._goal.phase is not Phase.UNDOCKING and not self._goal.staging
 
@@ -280,6 +290,7 @@ class DockingSequence:
         doubt = None
         if end.code in _AT_THE_DOCK and self._docking:
             doubt = self._watch.final() or (None if self._goal.contact else self._watch.jumped())
+            self._watch.learn()
         if doubt is None:
             return end.code, end.text
         failed = "" if end.code is ResultCode.SUCCESS else f"{end.text}: "
@@ -302,7 +313,7 @@ class DockingSequence:
         self._controller.reset()
         covariance, sd = self._goal.covariance, (0.0, 0.0)
         if covariance is not None:
-            sd = standard_deviations(covariance, self.observer.parameters, self._watch.final_error)
+            sd = standard_deviations(covariance, self.observer.parameters, *self._watch.final_error)
         step = self._step(now, STANDING, make_result(self._goal, now, self._dock, code, text, sd))
         self._controller.history.clear()  # whoever drives from here on does not say
         return step
