@@ -143,7 +143,7 @@ def describe(data: dict[str, Any]) -> str:
         for cause, count in row["summary"]["failures"].items()
     ]
     note = "refused: not docked, never moved; noticed, way after: since the fault began, until the result and in all"
-    if data["series"] > 1:
+    if data.get("series", 1) > 1:
         failures += [
             f"  {row['name']}: {line}" for row in data["rows"] for line in _series(row["runs"], data["series"])
         ]

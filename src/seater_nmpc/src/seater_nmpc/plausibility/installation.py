@@ -15,6 +15,7 @@ tyres slip is not known, so several filters run; see `error` for which one answe
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,6 +50,7 @@ _AS_WELL = 30.0
 _GATE = 16.3  # chi-square, 99.9 %
 _LOG_OUTLIER = math.log(0.03)
 _ALL = SIZE + 4
+_CHANGED = 40.0  # chi-square with 4 degrees of freedom; floors are not quite what drift.py says, so not 18.5 (99.9 %)
 _FEWEST = 20  # images that a docking has to have used to be remembered
 # Standard deviations by which an installation may change from one docking to the next: so dockings long ago fade.
 _FADES = np.array([0.001, 0.001, 0.0005, 0.002])
@@ -160,11 +162,21 @@ class Installation:
             self._update(i, chair, offered, mean, F @ self._covariance[i] @ F.T + Q)
         self._last = chair
 
-    def learn(self) -> None:
-        """Remember what this docking has shown, for the next ones."""
-        if self._used >= _FEWEST and self.error() is not None:
-            covariances = np.array([P[SIZE:, SIZE:] for P in self._covariance]) + np.diag(_FADES**2)
-            self.known = Knowledge(self.known.dockings + 1, np.array([m[SIZE:] for m in self._mean]), covariances)
+    def learn(self, limits: Array, certainty: float) -> None:
+        """Remember what this docking has shown, for the next ones, unless it is certain by itself: it may have been a
+        fault of this docking alone. Where it contradicts those before it, the installation has changed, and only this
+        one counts. Limits and certainty: as of `InstallationError.is_wrong`."""
+        if self._used < _FEWEST or self.error() is None:
+            return
+        alone = [self._alone(i) for i in range(len(_SLIPS))]
+        values, covariances = np.array([a[0] for a in alone]), np.array([a[1] for a in alone])
+        if self._mildest(values, covariances, 0).is_wrong(limits, certainty):
+            return
+        dockings = 1
+        if not self._has_changed():
+            dockings = self.known.dockings + 1
+            values, covariances = (np.array(each) for each in zip(*map(self._found, range(len(_SLIPS))), strict=True))
+        self.known = Knowledge(dockings, values, covariances + np.diag(_FADES**2))
 
     def error(self) -> InstallationError | None:
         """By the filter that accuses least, of those that explain the images about as well as the likeliest one; None
@@ -172,14 +184,36 @@ class Installation:
         best = int(np.argmax(self._evidence))
         if self._last is None or abs(self._mean[best][SIZE - 1]) > _DRIFTS:
             return None
-        plausible = np.flatnonzero(self._evidence >= self._evidence[best] - _AS_WELL)
-        return min((self._error_by(int(i)) for i in plausible), key=lambda error: error.certainty)
+        found = [self._found(i) for i in range(len(_SLIPS))]
+        return self._mildest([values for values, _ in found], [P for _, P in found], self.known.dockings)
 
-    def _error_by(self, i: int) -> InstallationError:
-        values, P = self._mean[i][SIZE:], self._covariance[i][SIZE:, SIZE:]
+    def _found(self, i: int) -> tuple[Array, Array]:
+        """Values and covariance by filter i, with what is known."""
+        return self._mean[i][SIZE:], self._covariance[i][SIZE:, SIZE:]
+
+    def _alone(self, i: int) -> tuple[Array, Array]:
+        """The same by this docking alone: the information of those before it taken away again."""
+        (values, P), known = self._found(i), self.known
+        after, before = np.linalg.inv(P), np.linalg.inv(known.covariances[i])
+        covariance = np.linalg.inv(np.diag(PRIOR**-2) + after - before)
+        return covariance @ (after @ values - before @ known.values[i]), 0.5 * (covariance + covariance.T)
+
+    def _has_changed(self) -> bool:
+        """Whether this docking and those before it are farther apart than chance has it, by the likeliest filter."""
+        i = int(np.argmax(self._evidence))
+        (values, P), known = self._alone(i), self.known
+        shift = values - known.values[i]
+        return float(shift @ np.linalg.solve(known.covariances[i] + P + np.diag(_MODEL**2), shift)) > _CHANGED
+
+    def _mildest(self, values: Sequence[Array], covariances: Sequence[Array], dockings: int) -> InstallationError:
+        plausible = np.flatnonzero(self._evidence >= self._evidence.max() - _AS_WELL)
+        errors = [self._error_by(values[int(i)], covariances[int(i)], dockings) for i in plausible]
+        return min(errors, key=lambda error: error.certainty)
+
+    def _error_by(self, values: Array, P: Array, dockings: int) -> InstallationError:
         noise = P - P @ np.diag(PRIOR**-2) @ P + np.diag(np.square(_MODEL))
         B = self._effect(np.zeros(3))
-        return InstallationError(values, noise, B * values, B @ P @ B.T, self.known.dockings)
+        return InstallationError(values, noise, B * values, B @ P @ B.T, dockings)
 
     def _begin(self, chair: Instant, first: Measurement) -> None:
         for drift, values, known in zip(self._drifts, self.known.values, self.known.covariances, strict=True):

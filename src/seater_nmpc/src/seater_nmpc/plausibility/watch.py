@@ -79,12 +79,12 @@ class Watch:
         error, p = self._installation.error(), self._parameters
         if error is None:
             return None
-        limits = np.array([p.final_position, p.final_position, p.final_heading])
-        if not error.is_wrong(limits, p.final_certainty):
+        if not error.is_wrong(self._limits, p.final_certainty):
             return None
         x, y, heading = error.final.tolist()
         off = f"{1e3 * math.hypot(x, y):.0f} mm and {math.degrees(abs(heading)):.1f} deg"
-        text = f"images and odometry fit together only if the chair is {off} off: check {NAMES[error.suspect]}"
+        before = f" (with {error.dockings} dockings before)" if error.dockings else ""
+        text = f"images and odometry{before} fit together only if the chair is {off} off: check {NAMES[error.suspect]}"
         return Contradiction(Kind.INCONSISTENT, f"{text} (chair.yaml, camera_info, the dock's file)")
 
     def jumped(self) -> Contradiction | None:
@@ -111,7 +111,7 @@ class Watch:
     def learn(self) -> None:
         """A docking has ended at the dock: remember what it has shown, unless the dock has jumped."""
         if self._shift is None:
-            self._installation.learn()
+            self._installation.learn(self._limits, self._parameters.final_certainty)
 
     @property
     def knowledge(self) -> Knowledge:
@@ -122,6 +122,11 @@ class Watch:
     def knowledge(self, known: Knowledge) -> None:
         self._installation.known = known
         self._installation.restart()
+
+    @property
+    def _limits(self) -> Array:
+        p = self._parameters
+        return np.array([p.final_position, p.final_position, p.final_heading])
 
     def _note_jump(self) -> None:
         newest = self._observer.images.jump
