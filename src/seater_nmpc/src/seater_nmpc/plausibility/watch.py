@@ -25,6 +25,7 @@ from seater_nmpc.plausibility.response import Response
 
 Array = NDArray[np.float64]
 
+_SUSPECT = 0.5  # of the certainty that ends a docking: none of 50 chairs without a fault, 17 of 49 that stood far off
 _CONFIRMED = (2, 3)  # so many of the last images must contradict the odometry: two wrong ones at once may do it once
 
 
@@ -86,6 +87,14 @@ class Watch:
         before = f" (with {error.dockings} dockings before)" if error.dockings else ""
         text = f"images and odometry{before} fit together only if the chair is {off} off: check {NAMES[error.suspect]}"
         return Contradiction(Kind.INCONSISTENT, f"{text} (chair.yaml, camera_info, the dock's file)")
+
+    def suspected(self) -> str:
+        """What a chair that stands docked by its images should have checked all the same; empty: nothing."""
+        error, p = self._installation.error(), self._parameters
+        if error is None or not error.is_wrong(self._limits, _SUSPECT * p.final_certainty):
+            return ""
+        off = f"{1e3 * math.hypot(error.final[0], error.final[1]):.0f} mm"
+        return f"the way here suggests that it is {off} off: check {NAMES[error.suspect]} (./seater doctor --move)"
 
     def jumped(self) -> Contradiction | None:
         """Whether the dock has jumped in the images of this goal, so that where the chair stands is not sure."""

@@ -287,12 +287,13 @@ class DockingSequence:
     def _doubted(self, end: GoalEnd) -> tuple[ResultCode, str]:
         """Code and text of a goal's end: of one at the dock, those of a wrong installation that shows, or of a dock
         that has jumped in the images; not the latter where the contact says that the chair stands in it."""
-        doubt = None
-        if end.code in _AT_THE_DOCK and self._docking:
-            doubt = self._watch.final() or (None if self._goal.contact else self._watch.jumped())
-            self._watch.learn()
-        if doubt is None:
+        if end.code not in _AT_THE_DOCK or not self._docking:
             return end.code, end.text
+        doubt = self._watch.final() or (None if self._goal.contact else self._watch.jumped())
+        suspicion = self._watch.suspected() if end.code is ResultCode.SUCCESS else ""
+        self._watch.learn()
+        if doubt is None:
+            return end.code, f"{end.text}, but {suspicion}" if suspicion else end.text
         failed = "" if end.code is ResultCode.SUCCESS else f"{end.text}: "
         return ResultCode[doubt.kind.name], failed + doubt.text
 
