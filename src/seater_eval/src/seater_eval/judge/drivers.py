@@ -77,8 +77,9 @@ class SequenceDriver:
         return self._sequence.knowledge
 
     @knowledge.setter
-    def knowledge(self, known: Knowledge) -> None:
-        self._sequence.knowledge = known
+    def knowledge(self, known: Knowledge | None) -> None:
+        if known is not None:
+            self._sequence.knowledge = known
 
     def odometry(self, message: Odometry, chair: IndependentChair) -> Asked:
         """See Driver."""

@@ -168,15 +168,13 @@ class Installation:
         one counts. Limits and certainty: as of `InstallationError.is_wrong`."""
         if self._used < _FEWEST or self.error() is None:
             return
-        alone = [self._alone(i) for i in range(len(_SLIPS))]
-        values, covariances = np.array([a[0] for a in alone]), np.array([a[1] for a in alone])
-        if self._mildest(values, covariances, 0).is_wrong(limits, certainty):
+        found, dockings = [self._alone(i) for i in range(len(_SLIPS))], 1
+        if self._mildest(found, 0).is_wrong(limits, certainty):
             return
-        dockings = 1
         if not self._has_changed():
-            dockings = self.known.dockings + 1
-            values, covariances = (np.array(each) for each in zip(*map(self._found, range(len(_SLIPS))), strict=True))
-        self.known = Knowledge(dockings, values, covariances + np.diag(_FADES**2))
+            found, dockings = [self._found(i) for i in range(len(_SLIPS))], self.known.dockings + 1
+        covariances = np.array([P for _, P in found]) + np.diag(_FADES**2)
+        self.known = Knowledge(dockings, np.array([values for values, _ in found]), covariances)
 
     def error(self) -> InstallationError | None:
         """By the filter that accuses least, of those that explain the images about as well as the likeliest one; None
@@ -184,8 +182,13 @@ class Installation:
         best = int(np.argmax(self._evidence))
         if self._last is None or abs(self._mean[best][SIZE - 1]) > _DRIFTS:
             return None
-        found = [self._found(i) for i in range(len(_SLIPS))]
-        return self._mildest([values for values, _ in found], [P for _, P in found], self.known.dockings)
+        return self._mildest([self._found(i) for i in range(len(_SLIPS))], self.known.dockings)
+
+    @property
+    def unknown(self) -> Array:
+        """(3, 3) covariance of where the docked chair stands, where this docking has said nothing."""
+        B = self._effect(np.zeros(3))
+        return np.asarray(B @ self.known.covariances[0] @ B.T)
 
     def _found(self, i: int) -> tuple[Array, Array]:
         """Values and covariance by filter i, with what is known."""
@@ -205,10 +208,10 @@ class Installation:
         shift = values - known.values[i]
         return float(shift @ np.linalg.solve(known.covariances[i] + P + np.diag(_MODEL**2), shift)) > _CHANGED
 
-    def _mildest(self, values: Sequence[Array], covariances: Sequence[Array], dockings: int) -> InstallationError:
+    def _mildest(self, found: Sequence[tuple[Array, Array]], dockings: int) -> InstallationError:
+        """`found`: values and covariance by each filter."""
         plausible = np.flatnonzero(self._evidence >= self._evidence.max() - _AS_WELL)
-        errors = [self._error_by(values[int(i)], covariances[int(i)], dockings) for i in plausible]
-        return min(errors, key=lambda error: error.certainty)
+        return min((self._error_by(*found[int(i)], dockings) for i in plausible), key=lambda error: error.certainty)
 
     def _error_by(self, values: Array, P: Array, dockings: int) -> InstallationError:
         noise = P - P @ np.diag(PRIOR**-2) @ P + np.diag(np.square(_MODEL))

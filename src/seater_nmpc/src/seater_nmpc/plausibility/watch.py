@@ -115,7 +115,7 @@ class Watch:
         """(3,) by which the docked chair seems to be off because of the installation: x, y [m], heading [rad], and the
         covariance (3, 3) of that."""
         error = self._installation.error()
-        return (np.zeros(3), np.zeros((3, 3))) if error is None else (error.final, error.spread)
+        return (np.zeros(3), self._installation.unknown) if error is None else (error.final, error.spread)
 
     def learn(self) -> None:
         """A docking has ended at the dock: remember what it has shown, unless the dock has jumped."""
