@@ -173,8 +173,8 @@ class Installation:
             return
         if not self._has_changed():
             found, dockings = [self._found(i) for i in range(len(_SLIPS))], self.known.dockings + 1
-        covariances = np.array([P for _, P in found]) + np.diag(_FADES**2)
-        self.known = Knowledge(dockings, np.array([values for values, _ in found]), covariances)
+        values: Array = np.stack([one for one, _ in found])
+        self.known = Knowledge(dockings, values, np.stack([P for _, P in found]) + np.diag(_FADES**2))
 
     def error(self) -> InstallationError | None:
         """By the filter that accuses least, of those that explain the images about as well as the likeliest one; None
