@@ -235,6 +235,56 @@ def test_a_dock_that_images_agree_to_show_elsewhere(make_world, way) -> None:
     assert np.abs(np.array(steps) - known)[:, :2].max() < 0.03 and math.dist(world.truth[:2], before[:2]) < 0.6
 
 
+def refocused(share: float):
+    """The markers' middle farther away by this share, at the same place in the image."""
+
+    def shows(world: World, found: list[Hypothesis]) -> list[Hypothesis]:
+        middle, wrong = np.mean([marker.position for marker in world.dock.markers], axis=0), []
+        for seen in found:
+            T = seen.T_optical_dock.copy()
+            T[2, 3] += share * float(T[2, :3] @ middle + T[2, 3])
+            wrong.append(replace(seen, T_optical_dock=T))
+        return wrong
+
+    return shows
+
+
+def refocused_in_the_bay(make_world, share: float, **settings) -> Result:
+    world, _ = driving(make_world, (-1.2, 0.03, 1.0), -0.5, **settings)
+    world.shows = refocused(share)
+    result = world.run(60.0).result
+    assert result is not None
+    return result
+
+
+@pytest.mark.parametrize(("share", "where"), [(0.1, "96 mm and 0.1 deg farther away"), (-0.1, "nearer")])
+def test_a_focal_length_that_changes_in_the_bay_is_no_success(make_world, share, where) -> None:
+    """It docked 40 to 50 mm off and said SUCCESS, or FAILED_TO_CHARGE without the cause."""
+    result = refocused_in_the_bay(make_world, share)
+    assert result.code is ResultCode.INCONSISTENT and where in result.text, result
+    assert result.text.startswith("on the way the dock jumped by") and "check the focal length" in result.text
+
+
+def test_a_jump_in_the_images_is_no_speed(make_world) -> None:
+    """It ended with ODOMETRY_WRONG, "0.35 m/s by the images", or with WHEELS_SLIP."""
+    world, _ = driving(make_world, (-1.2, 0.03, 1.0), -0.3)
+    world.shows = refocused(0.05)
+    assert "the dock jumped by" in ends(world, ResultCode.INCONSISTENT, 1.0).text
+
+
+def test_a_contact_that_does_not_close_after_a_jump_says_so(make_world) -> None:
+    result = refocused_in_the_bay(make_world, 0.1, require_contact=True, contact=lambda w: abs(w.truth[0]) < 0.02)
+    assert result.code is ResultCode.INCONSISTENT, result
+    assert result.text.startswith("the charging contact does not close: on the way the dock jumped")
+
+
+def test_after_a_jump_a_closed_contact_says_that_it_is_docked(make_world) -> None:
+    """The dock, or the chair, was pushed."""
+    world, _ = driving(make_world, (-1.2, 0.03, 1.0), -0.7, require_contact=True, contact=lambda w: w.truth[0] > 0.05)
+    world.shows = shifted((0.08, 0.0, 0.0))
+    assert world.run(60.0).result.code is ResultCode.SUCCESS
+
+
 def test_a_small_shift_is_taken_up_standing(make_world) -> None:
     """As after a wheel has slipped: within the bound the chair goes on, once it has stood."""
     world, _ = driving(make_world)

@@ -11,6 +11,7 @@ from typing import Any
 
 from seater_eval.judge.cases import Row
 from seater_eval.judge.run import Job, run_job
+from seater_eval.judge.verdict import is_far
 from seater_eval.report.bars import AT_LEAST, Bar
 from seater_eval.report.statistics import spread
 from seater_eval.report.tables import text_table
@@ -18,7 +19,6 @@ from seater_eval.run.long_run import run_long
 from seater_eval.run.parallel import job_seed
 
 _UNMOVED = 0.001  # [m]
-_FAR = (0.020, 2.0)  # [m, deg] a success that is farther off than this misleads
 _SPREADS = (
     "position_error_m",
     "heading_error_deg",
@@ -48,12 +48,14 @@ def run_rows(
     seed: int = 1,
     driver: str = "sequence",
     told: str = "nothing",
+    series: int = 1,
     workers: int | None = None,
     partial: Path | None = None,
 ) -> dict[str, Any]:
-    """`runs` dockings of each row; run i has the same seed in every row. `partial`: see run_long."""
+    """`runs` dockings of each row, each the last of a `series`; run i has the same seed in every row. `partial`: see
+    run_long."""
     seeds = [job_seed(seed, index) for index in range(runs)]
-    jobs = [Job(str(config), row, one, driver, told) for row in rows for one in seeds]
+    jobs = [Job(str(config), row, one, driver, told, series) for row in rows for one in seeds]
     files = config.rglob("*.yaml")
     results = run_long(run_job, jobs, label="independent_chair", files=files, partial=partial, workers=workers)
     table = [
@@ -66,7 +68,7 @@ def run_rows(
         }
         for index, row in enumerate(rows)
     ]
-    return {"seed": seed, "driver": driver, "told": told, "rows": table}
+    return {"seed": seed, "driver": driver, "told": told, "series": series, "rows": table}
 
 
 def summarize(runs: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -87,7 +89,7 @@ def summarize(runs: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _far_off(run: dict[str, Any]) -> bool:
-    return bool(run["position_error_m"] > _FAR[0] or abs(run["heading_error_deg"]) > _FAR[1])
+    return is_far(run["position_error_m"], run["heading_error_deg"])
 
 
 def _cause(run: dict[str, Any]) -> str:
@@ -141,8 +143,20 @@ def describe(data: dict[str, Any]) -> str:
         for cause, count in row["summary"]["failures"].items()
     ]
     note = "refused: not docked, never moved; noticed, way after: since the fault began, until the result and in all"
+    if data.get("series", 1) > 1:
+        failures += [
+            f"  {row['name']}: {line}" for row in data["rows"] for line in _series(row["runs"], data["series"])
+        ]
     note += "\nfar: success said, but beyond 20 mm or 2 deg; peak jerk [m/s^3] of the true speed low-passed at 5 Hz"
     return f"{told}\n{text_table(head, rows, 'lrrrrrrrrrrrrl')}\n{note}\n\n" + "\n".join(failures)
+
+
+def _series(runs: Sequence[dict[str, Any]], series: int) -> Iterable[str]:
+    """How many of each docking of the series ended with what."""
+    for number in range(series):
+        codes = Counter(run["series_codes"][number] for run in runs)
+        yield f"docking {number + 1}: " + ", ".join(f"{code} {count}" for code, count in codes.most_common())
+    yield f"of all, success said, but far: {sum(run['series_far'] for run in runs)}"
 
 
 def _pair(values: dict[str, float | None], factor: float, digits: int) -> str:

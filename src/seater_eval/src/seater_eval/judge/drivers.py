@@ -16,6 +16,7 @@ from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import NmpcParameters
+from seater_nmpc.plausibility.installation import Knowledge
 from seater_nmpc.sequence.docking_sequence import DockingSequence
 from seater_nmpc.sequence.goal.results import Result
 
@@ -30,6 +31,7 @@ class Driver(Protocol):
     """Takes what the chair and its camera say, and answers with commands (None: no new one)."""
 
     result: Result | None  # how it ended, if it says so
+    knowledge: Knowledge | None  # of the installation, by the dockings so far
     estimates: list[list[float]]  # time, error of the dock's estimate (x [m], y [m], heading [rad]), NEES, its age [s]
 
     def odometry(self, message: Odometry, chair: IndependentChair) -> Asked:
@@ -68,6 +70,16 @@ class SequenceDriver:
             plausibility=parameters.plausibility,
         )
         self._cycle = -1
+
+    @property
+    def knowledge(self) -> Knowledge | None:
+        """See Driver."""
+        return self._sequence.knowledge
+
+    @knowledge.setter
+    def knowledge(self, known: Knowledge | None) -> None:
+        if known is not None:
+            self._sequence.knowledge = known
 
     def odometry(self, message: Odometry, chair: IndependentChair) -> Asked:
         """See Driver."""
@@ -112,6 +124,7 @@ class ClassDriver:
     kept: Kept
     parameters: NmpcParameters
     result: Result | None = None
+    knowledge: Knowledge | None = None
     estimates: list[list[float]] = field(default_factory=list)
 
     def __post_init__(self) -> None:

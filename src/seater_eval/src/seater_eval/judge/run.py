@@ -21,8 +21,9 @@ from seater_eval.judge.plant.chair import STEP, IndependentChair
 from seater_eval.judge.plant.encoders import WheelOdometry
 from seater_eval.judge.plant.faults import Injector
 from seater_eval.judge.told import told_parameters
-from seater_eval.judge.verdict import Motion, judge, smallest_gap
+from seater_eval.judge.verdict import Motion, is_far, judge, smallest_gap
 from seater_nmpc.parameters import ControlParameters, NmpcParameters
+from seater_nmpc.plausibility.installation import Knowledge
 
 Array = NDArray[np.float64]
 
@@ -47,6 +48,7 @@ class Job:
     seed: int
     driver: str = "sequence"  # of DRIVERS
     told: str = "nothing"
+    series: int = 1  # dockings of the same chair, from other starts; the last one is judged
 
 
 @dataclass(frozen=True)
@@ -68,8 +70,13 @@ def run_job(job: Job) -> dict[str, Any]:
 def run(job: Job) -> tuple[dict[str, Any], Log]:
     """The verdict, and what happened. The same job gives the same bits."""
     begun = time.perf_counter()
-    loop = _Loop(job)
-    loop.drive()
+    knowledge, codes, far = None, [], 0
+    for number in range(job.series):
+        loop = _Loop(job, number, knowledge)
+        loop.drive()
+        knowledge = loop.driver.knowledge
+        codes.append("TIMEOUT" if loop.driver.result is None else loop.driver.result.code.name)
+        far += loop.driver.result is not None and loop.driver.result.success and loop.far
     log, driver = loop.log(), loop.driver
     result = driver.result
     succeeded = None if job.driver == "class" else result is not None and result.success
@@ -89,6 +96,8 @@ def run(job: Job) -> tuple[dict[str, Any], Log]:
         **loop.after_fault(),
         "position_sd_m": 0.0 if result is None else result.position_sd,
         "heading_sd_deg": 0.0 if result is None else math.degrees(result.heading_sd),
+        "series_codes": codes,
+        "series_far": far,  # successes beyond 20 mm or 2 deg
         "installation": None if loop.installation is None else dataclasses.asdict(loop.installation),
         "wall_s": round(time.perf_counter() - begun, 2),
     }
@@ -98,21 +107,25 @@ def run(job: Job) -> tuple[dict[str, Any], Log]:
 class _Loop:
     """Chair, odometry, camera and driver, step by step."""
 
-    def __init__(self, job: Job) -> None:
+    def __init__(self, job: Job, number: int = 0, knowledge: Knowledge | None = None) -> None:
+        """`number` of the series; `knowledge` of the installation by the dockings before."""
         self._job, effects = job, job.row.effects
+        later = [number] if number else []  # chair and installation stay, all else is drawn anew
         files = load_files(job.config, job.row.markers)
         self._files = files
-        streams = [np.random.default_rng([job.seed, stream]) for stream in range(6)]
+        streams = [np.random.default_rng([job.seed, stream, *(later if stream != 2 else [])]) for stream in range(6)]
         wrong = job.row.installation
         self.installation = None if wrong is None else wrong.drawn(np.random.default_rng([job.seed, 6]))
         camera = DockCamera(files.chair, files.dock, effects.pictures, streams[0], self.installation)
-        self._camera, self._marker_noise = camera, np.random.default_rng([job.seed, 7])
+        self._camera, self._marker_noise = camera, np.random.default_rng([job.seed, 7, *later])
         self.start = draw_start(job.row.starts, files.chair, files.dock, camera, streams[1])
         self.built = draw_built(effects, streams[2])
         self._chair = IndependentChair(effects, self.built, self.start, streams[3])
-        self._injector = Injector(job.row.fault)
+        self._injector = Injector(job.row.fault, files.dock.markers)
         self._odometry = WheelOdometry(effects.encoders, _BEGIN, _ORIGIN, streams[4])
         self.driver = self._make_driver(streams[5])
+        if knowledge is not None:
+            self.driver.knowledge = knowledge
         self._image = _BEGIN + streams[5].uniform(0.0, 1.0 / effects.pictures.rate)
         self._images: list[tuple[float, Any, Any]] = []
         self._rows: list[list[float]] = []
@@ -156,6 +169,11 @@ class _Loop:
                 return
             self._injector.step(now, chair)
             steps += 1
+
+    @property
+    def far(self) -> bool:
+        """Whether the chair is too far off for a success."""
+        return is_far(math.hypot(self._chair.x, self._chair.y), math.degrees(self._chair.heading))
 
     def _gap(self) -> float:
         pose = np.array([[self._chair.x, self._chair.y, self._chair.heading]])

@@ -15,6 +15,7 @@ from seater_common.geometry import Chair, Dock
 Array = NDArray[np.float64]
 
 POSITION, HEADING = 0.010, math.radians(1.0)  # [m, rad] docked
+_FAR = (0.020, 2.0)  # [m, deg] a success that is farther off than this misleads
 _REST = 0.5  # [s] without motion at the end
 _MOVED = (1e-4, 1e-4)  # [m, rad] more than this within that time is motion
 _REVERSAL = 0.005  # [m/s] speeds up to this have no direction
@@ -61,6 +62,11 @@ def judge(motion: Motion, chair: Chair, dock: Dock, succeeded: bool | None) -> d
         "time_s": _time_until_rest(motion),
         **_comfort(motion),
     }
+
+
+def is_far(position: float, heading: float) -> bool:
+    """Whether a success so far off [m, deg] misleads."""
+    return position > _FAR[0] or abs(math.remainder(heading, 360.0)) > _FAR[1]
 
 
 def stands(motion: Motion) -> bool:

@@ -197,7 +197,7 @@ def main(arguments: list[str]) -> int:
     system = LaunchProcess(
         "seater_bringup",
         "wheelchair.launch",
-        {"require_contact": "true", "history": "none"},
+        {"require_contact": "true", "history": "none", "installation_memory": "none"},
         log.with_suffix(".log"),
         chair.port,
     )

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import math
 from collections import Counter, deque
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from seater_nmpc.observe.innovation import Fusion, Innovation, Outcome
 from seater_nmpc.observe.measurement import Measurement
 from seater_nmpc.observe.odometry import Instant
 
+Array = NDArray[np.float64]
+
+_FIRST_DOUBTED = 3  # images by which a jump is told from one wrong image
 _RATE_IMAGES = 9  # images from which their usual distance in time is taken
 _CONTRADICTING = (4, 0.25)  # images in a row, and time [s], after which images that are not believed contradict
 _TEXTS = {
@@ -24,6 +29,14 @@ _TEXTS = {
     Outcome.FROZEN: "show exactly the same though the wheels have turned (do camera or driver repeat old images?)",
     Outcome.UNCERTAIN: "are too uncertain by their own covariance (markers too small in the image, or too far)",
 }
+
+
+@dataclass(frozen=True)
+class Jump:
+    """The dock was acquired anew, or may be, where images that were not believed at first show it."""
+
+    before: Instant  # the chair at the last image that was used
+    doubted: list[tuple[Instant, Array, Innovation]]  # the first of them: chair, dock (3,) in odom, how far off that is
 
 
 class Images:
@@ -42,6 +55,9 @@ class Images:
         self._last_rejected: Innovation | None = None  # of the newest image, when it was outside the gate
         self._since_used: Counter[Outcome] = Counter()  # what became of the images since the last used one
         self._doubted = (0.0, 0.0)  # times of the first and the last image outside the gate since then [s]
+        self._off: list[tuple[Instant, Array, Innovation]] = []  # the first of these images
+        self._used: Instant | None = None  # the chair at the last used one
+        self.jump: Jump | None = None  # the newest one
 
     def show(self, chair: Instant, offered: list[Measurement]) -> None:
         """An image shows the dock at one of these places."""
@@ -52,6 +68,7 @@ class Images:
     def note(self, stamp: float, fusion: Fusion, *, as_expected: bool) -> None:
         """What became of the image taken at `stamp`. `as_expected`: it was believed by those who did not believe the
         ones before it. These were wrong then, not what is known of the chair, and no longer count as shown."""
+        chair, offered = self.shown[-1] if self.shown else (None, [])
         self.counts[fusion.outcome] += 1
         self._since_used[fusion.outcome] += 1
         if not self._stamps or stamp > self._stamps[-1]:
@@ -60,10 +77,14 @@ class Images:
         if fusion.outcome is Outcome.GATE:
             self._last_rejected = fusion.innovation
             self._doubted = (stamp if doubted == 1 else self._doubted[0], stamp)
+            if chair is not None and fusion.innovation is not None and len(self._off) < _FIRST_DOUBTED:
+                self._off.append((chair, offered[0].pose, fusion.innovation))
         elif fusion.outcome.accepted:
             if fusion.outcome is Outcome.FUSED and as_expected and doubted:
                 self._drop(*self._doubted)
-            self._last_rejected = None
+            if fusion.outcome is Outcome.REACQUIRED:
+                self.jump = self.doubted
+            self._last_rejected, self._off, self._used = None, [], chair
             self._since_used.clear()
 
     def no_longer_waiting(self) -> None:
@@ -74,6 +95,11 @@ class Images:
     def period(self) -> float:
         """Usual time between two images [s], whatever they show; 0 before there are three."""
         return float(np.median(np.diff(np.array(self._stamps)))) if len(self._stamps) > 2 else 0.0
+
+    @property
+    def doubted(self) -> Jump | None:
+        """What the first images show that were not believed since the last used one; None: all were."""
+        return None if self._used is None or not self._off else Jump(self._used, list(self._off))
 
     @property
     def contradict(self) -> bool:

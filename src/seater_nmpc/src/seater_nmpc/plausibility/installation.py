@@ -15,6 +15,7 @@ tyres slip is not known, so several filters run; see `error` for which one answe
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,15 +50,39 @@ _AS_WELL = 30.0
 _GATE = 16.3  # chi-square, 99.9 %
 _LOG_OUTLIER = math.log(0.03)
 _ALL = SIZE + 4
+_CHANGED = 40.0  # chi-square with 4 degrees of freedom; floors are not quite what drift.py says, so not 18.5 (99.9 %)
+_FEWEST = 20  # images that a docking has to have used to be remembered
+# Standard deviations by which an installation may change from one docking to the next: so dockings long ago fade.
+_FADES = np.array([0.001, 0.001, 0.0005, 0.002])
+# Over dockings, what patches of floor and castors did in one of them is no longer taken for the installation: of 64 in
+# series of 8 without a fault none was beyond 2.3 standard deviations, so from the fourth docking on fewer are certain.
+_SERIES, _SURER = 4, 0.8
+
+
+@dataclass(frozen=True)
+class Knowledge:
+    """What dockings so far have shown of the installation, by each filter."""
+
+    dockings: int
+    values: Array  # (k, 4) of NAMES
+    covariances: Array  # (k, 4, 4)
+
+
+def nothing_known() -> Knowledge:
+    """Before the first docking."""
+    k = len(_SLIPS)
+    return Knowledge(0, np.zeros((k, 4)), np.tile(np.diag(PRIOR**2), (k, 1, 1)))
 
 
 @dataclass(frozen=True)
 class InstallationError:
-    """What the docking found."""
+    """What the docking, and those before it, found."""
 
     values: Array  # (4,) of NAMES
     noise: Array  # (4, 4) covariance that these values have where the installation is right
     effects: Array  # (3, 4) of each on where the docked chair stands: x, y [m], heading [rad]
+    spread: Array  # (3, 3) covariance of that by what is still unknown
+    dockings: int = 0  # before this one
 
     @property
     def final(self) -> Array:
@@ -72,8 +97,9 @@ class InstallationError:
     def is_wrong(self, limits: Array, certainty: float) -> bool:
         """Whether one value, or all together, surely lead to a final error beyond the limits (3,) [m, m, rad].
 
-        `certainty`: standard deviations that the value, or the error, is from zero.
+        `certainty`: standard deviations that the value, or the error, is from zero, in a first docking.
         """
+        certainty *= _SURER if self.dockings + 1 >= _SERIES else 1.0
         alone = (np.abs(self.effects) > limits[:, None]) & (self._sure > certainty)
         per_value = self.effects / np.where(self.values == 0.0, 1.0, self.values)
         sds = np.sqrt(np.diag(per_value @ self.noise @ per_value.T)) + 1e-9
@@ -91,7 +117,7 @@ class InstallationError:
 
 
 class Installation:
-    """Of one goal: `add` what each image shows, then ask for the `error`."""
+    """Of one goal after another: `restart`, `add` what each image shows, ask for the `error`, `learn`."""
 
     def __init__(self, mount: CameraMount, dock: Dock, parameters: ObserverParameters) -> None:
         self._camera = np.array([mount.x, mount.y, mount.yaw])
@@ -99,11 +125,13 @@ class Installation:
         self._normal = float(np.mean([marker.normal_yaw for marker in dock.markers]))
         self._constant = np.diag(np.square([*_CONSTANT, parameters.gyro_bias_sd]))
         self._drifts = [Drift(parameters, slip, both=True) for slip in _SLIPS]
+        self.known = nothing_known()
         self.restart()
 
     def restart(self) -> None:
-        """Forget what was shown."""
+        """Begin anew, with what is known of dockings before."""
         self._last: Instant | None = None
+        self._used = 0
         self._mean: list[Array] = []
         self._covariance: list[Array] = []
         self._evidence = np.zeros(len(_SLIPS))
@@ -120,6 +148,7 @@ class Installation:
         driven, turned = chair.driven - self._last.driven, chair.turned - self._last.turned
         if chair.stamp <= self._last.stamp or (driven < _STEP[0] and turned < _STEP[1]):
             return
+        self._used += 1
         castors = self._castors.noise(self._last, chair, known)
         docks = np.array([mean[:3] for mean in self._mean])
         for i, (moved, noise) in enumerate(zip(*transitions(self._drifts, docks, self._last, chair), strict=True)):
@@ -133,33 +162,74 @@ class Installation:
             self._update(i, chair, offered, mean, F @ self._covariance[i] @ F.T + Q)
         self._last = chair
 
+    def learn(self, limits: Array, certainty: float) -> None:
+        """Remember what this docking has shown, for the next ones, unless it is certain by itself: it may have been a
+        fault of this docking alone. Where it contradicts those before it, the installation has changed, and only this
+        one counts. Limits and certainty: as of `InstallationError.is_wrong`."""
+        if self._used < _FEWEST or self.error() is None:
+            return
+        found, dockings = [self._alone(i) for i in range(len(_SLIPS))], 1
+        if self._mildest(found, 0).is_wrong(limits, certainty):
+            return
+        if not self._has_changed():
+            found, dockings = [self._found(i) for i in range(len(_SLIPS))], self.known.dockings + 1
+        values: Array = np.stack([one for one, _ in found])
+        self.known = Knowledge(dockings, values, np.stack([P for _, P in found]) + np.diag(_FADES**2))
+
     def error(self) -> InstallationError | None:
         """By the filter that accuses least, of those that explain the images about as well as the likeliest one; None
         before there is one, and where the odometry's heading drifts with time."""
         best = int(np.argmax(self._evidence))
         if self._last is None or abs(self._mean[best][SIZE - 1]) > _DRIFTS:
             return None
-        plausible = np.flatnonzero(self._evidence >= self._evidence[best] - _AS_WELL)
-        return min((self._error_by(int(i)) for i in plausible), key=lambda error: error.certainty)
+        return self._mildest([self._found(i) for i in range(len(_SLIPS))], self.known.dockings)
 
-    def _error_by(self, i: int) -> InstallationError:
-        values, P = self._mean[i][SIZE:], self._covariance[i][SIZE:, SIZE:]
+    @property
+    def unknown(self) -> Array:
+        """(3, 3) covariance of where the docked chair stands, where this docking has said nothing."""
+        B = self._effect(np.zeros(3))
+        return np.asarray(B @ self.known.covariances[0] @ B.T)
+
+    def _found(self, i: int) -> tuple[Array, Array]:
+        """Values and covariance by filter i, with what is known."""
+        return self._mean[i][SIZE:], self._covariance[i][SIZE:, SIZE:]
+
+    def _alone(self, i: int) -> tuple[Array, Array]:
+        """The same by this docking alone: the information of those before it taken away again."""
+        (values, P), known = self._found(i), self.known
+        after, before = np.linalg.inv(P), np.linalg.inv(known.covariances[i])
+        covariance = np.linalg.inv(np.diag(PRIOR**-2) + after - before)
+        return covariance @ (after @ values - before @ known.values[i]), 0.5 * (covariance + covariance.T)
+
+    def _has_changed(self) -> bool:
+        """Whether this docking and those before it are farther apart than chance has it, by the likeliest filter."""
+        i = int(np.argmax(self._evidence))
+        (values, P), known = self._alone(i), self.known
+        shift = values - known.values[i]
+        return float(shift @ np.linalg.solve(known.covariances[i] + P + np.diag(_MODEL**2), shift)) > _CHANGED
+
+    def _mildest(self, found: Sequence[tuple[Array, Array]], dockings: int) -> InstallationError:
+        """`found`: values and covariance by each filter."""
+        plausible = np.flatnonzero(self._evidence >= self._evidence.max() - _AS_WELL)
+        return min((self._error_by(*found[int(i)], dockings) for i in plausible), key=lambda error: error.certainty)
+
+    def _error_by(self, values: Array, P: Array, dockings: int) -> InstallationError:
         noise = P - P @ np.diag(PRIOR**-2) @ P + np.diag(np.square(_MODEL))
         B = self._effect(np.zeros(3))
-        return InstallationError(values, noise, B * values)
+        return InstallationError(values, noise, B * values, B @ P @ B.T, dockings)
 
     def _begin(self, chair: Instant, first: Measurement) -> None:
-        for drift in self._drifts:
+        for drift, values, known in zip(self._drifts, self.known.values, self.known.covariances, strict=True):
             errors, spread = drift.initial_errors()
             covariance = np.zeros((_ALL, _ALL))
             covariance[3:SIZE, 3:SIZE] = spread + self._constant
-            covariance[SIZE:, SIZE:] = np.diag(PRIOR**2)
+            covariance[SIZE:, SIZE:] = known
             # The first image shows the dock with the installation's errors: it is certain together with them only.
             H = self._jacobian(chair, first.pose)[:, SIZE:]
-            covariance[:3, :3] = first.covariance + H @ np.diag(PRIOR**2) @ H.T
-            covariance[:3, SIZE:] = -H @ np.diag(PRIOR**2)
+            covariance[:3, :3] = first.covariance + H @ known @ H.T
+            covariance[:3, SIZE:] = -H @ known
             covariance[SIZE:, :3] = covariance[:3, SIZE:].T
-            self._mean.append(np.concatenate([first.pose, errors, np.zeros(4)]))
+            self._mean.append(np.concatenate([first.pose - H @ values, errors, values]))
             self._covariance.append(covariance)
         self._last = chair
 

@@ -11,18 +11,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.geometry import Chair, Dock
+from seater_nmpc.observe.images import Jump
 from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.prediction import CommandHistory
 from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Contradiction, Kind
 from seater_nmpc.plausibility.image_motion import Shown, contradiction, speeds_by_images
-from seater_nmpc.plausibility.installation import KEYS, NAMES, Installation
+from seater_nmpc.plausibility.installation import KEYS, NAMES, Installation, Knowledge
+from seater_nmpc.plausibility.jump import Shift, sudden
 from seater_nmpc.plausibility.markers import Markers
 from seater_nmpc.plausibility.response import Response
 
 Array = NDArray[np.float64]
 
+_SUSPECT = 0.5  # of the certainty that ends a docking: none of 50 chairs without a fault, 17 of 49 that stood far off
 _CONFIRMED = (2, 3)  # so many of the last images must contradict the odometry: two wrong ones at once may do it once
 
 
@@ -44,11 +47,14 @@ class Watch:
         self._installation = Installation(chair.camera, dock, observer.parameters)
         self._begun, self._compared = 0.0, -np.inf  # [s] begin of the goal; newest image that was compared
         self._suspected: deque[bool] = deque(maxlen=_CONFIRMED[1])  # whether the last images contradict the odometry
+        self._jump: Jump | None = None  # the newest one that was looked at
+        self._shift: Shift | None = None  # how far the dock has jumped in this goal
 
     def begin(self, now: float) -> None:
         """A goal begins at message time `now` [s]."""
         self._begun = now
         self._suspected.clear()
+        self._jump, self._shift = self._observer.images.jump, None
         self._response.restart(now)
         self._markers.restart()
         self._installation.restart()
@@ -63,6 +69,7 @@ class Watch:
 
     def check(self, now: float) -> Contradiction | None:
         """At message time `now` [s]."""
+        self._note_jump()
         found = self._motion_in_images() or self._response.check(now, self._observer.odometry)
         if found is not None and found.kind is Kind.BLOCKED:
             found = self._odometry_stands(now) or found
@@ -73,13 +80,25 @@ class Watch:
         error, p = self._installation.error(), self._parameters
         if error is None:
             return None
-        limits = np.array([p.final_position, p.final_position, p.final_heading])
-        if not error.is_wrong(limits, p.final_certainty):
+        if not error.is_wrong(self._limits, p.final_certainty):
             return None
         x, y, heading = error.final.tolist()
         off = f"{1e3 * math.hypot(x, y):.0f} mm and {math.degrees(abs(heading)):.1f} deg"
-        text = f"images and odometry fit together only if the chair is {off} off: check {NAMES[error.suspect]}"
+        before = f" (with {error.dockings} dockings before)" if error.dockings else ""
+        text = f"images and odometry{before} fit together only if the chair is {off} off: check {NAMES[error.suspect]}"
         return Contradiction(Kind.INCONSISTENT, f"{text} (chair.yaml, camera_info, the dock's file)")
+
+    def suspected(self) -> str:
+        """What a chair that stands docked by its images should have checked all the same; empty: nothing."""
+        error, p = self._installation.error(), self._parameters
+        if error is None or not error.is_wrong(self._limits, _SUSPECT * p.final_certainty):
+            return ""
+        off = f"{1e3 * math.hypot(error.final[0], error.final[1]):.0f} mm"
+        return f"the way here suggests that it is {off} off: check {NAMES[error.suspect]} (./seater doctor --move)"
+
+    def jumped(self) -> Contradiction | None:
+        """Whether the dock has jumped in the images of this goal, so that where the chair stands is not sure."""
+        return None if self._shift is None else Contradiction(Kind.INCONSISTENT, self._shift.text)
 
     @property
     def installation(self) -> dict[str, tuple[float, float]]:
@@ -92,10 +111,37 @@ class Watch:
         return {name: (float(v), float(sd)) for name, v, sd in zip(KEYS, error.values, sds, strict=True)}
 
     @property
-    def final_error(self) -> Array:
-        """(3,) by which the docked chair seems to be off because of the installation: x, y [m], heading [rad]."""
+    def final_error(self) -> tuple[Array, Array]:
+        """(3,) by which the docked chair seems to be off because of the installation: x, y [m], heading [rad], and the
+        covariance (3, 3) of that."""
         error = self._installation.error()
-        return np.zeros(3) if error is None else error.final
+        return (np.zeros(3), self._installation.unknown) if error is None else (error.final, error.spread)
+
+    def learn(self) -> None:
+        """A docking has ended at the dock: remember what it has shown, unless the dock has jumped."""
+        if self._shift is None:
+            self._installation.learn(self._limits, self._parameters.final_certainty)
+
+    @property
+    def knowledge(self) -> Knowledge:
+        """Of the installation, by the dockings so far."""
+        return self._installation.known
+
+    @knowledge.setter
+    def knowledge(self, known: Knowledge) -> None:
+        self._installation.known = known
+        self._installation.restart()
+
+    @property
+    def _limits(self) -> Array:
+        p = self._parameters
+        return np.array([p.final_position, p.final_position, p.final_heading])
+
+    def _note_jump(self) -> None:
+        newest = self._observer.images.jump
+        if newest is not None and newest is not self._jump:
+            self._shift = self._shift or sudden(newest, self._parameters)
+        self._jump = newest
 
     def _shown(self) -> Shown:
         return [entry for entry in self._observer.images.shown if entry[0].stamp >= self._begun]
@@ -112,7 +158,13 @@ class Watch:
         speeds = speeds_by_images(shown, self._middle)
         found = contradiction(speeds, self._parameters) if speeds is not None else None
         self._suspected.append(found is not None)
-        return found if sum(self._suspected) >= _CONFIRMED[0] else None
+        return self._jumping() or found if sum(self._suspected) >= _CONFIRMED[0] else None
+
+    def _jumping(self) -> Contradiction | None:
+        """Whether images that contradict the odometry do so at once: a jump is no speed."""
+        doubted = self._observer.images.doubted
+        shift = None if doubted is None else sudden(doubted, self._parameters)
+        return None if shift is None else Contradiction(Kind.INCONSISTENT, shift.text)
 
     def _odometry_stands(self, now: float) -> Contradiction | None:
         """Whether a chair that stands by its odometry moves by the few images of this time."""

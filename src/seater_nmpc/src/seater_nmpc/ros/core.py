@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import rospy
 
@@ -15,6 +16,7 @@ from seater_nmpc.control.controller import DockingController
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.parameters import NmpcParameters
 from seater_nmpc.plan.navigator import Navigator
+from seater_nmpc.plausibility.memory import Memory, mark_of
 from seater_nmpc.ros.camera import load_camera
 from seater_nmpc.sequence.docking_sequence import DockingSequence
 from seater_nmpc.sequence.shadow import Shadow
@@ -35,18 +37,30 @@ class Core:
     observer: DockObserver
     sequence: DockingSequence
     shadow: Shadow | None  # set in shadow mode
+    memory: Memory | None  # of what dockings show of the installation; None: not beyond the node's end
 
     @property
     def chair(self) -> Chair:
         """As it docks: forward."""
         return self.vehicle.chair
 
+    def remember(self) -> None:
+        """Keep what the dockings so far have shown."""
+        known = self.sequence.knowledge
+        if self.memory is None or known.dockings == 0:
+            return
+        try:
+            self.memory.keep(self.dock.name, mark_of(self.chair, self.dock, self.camera), known)
+        except OSError as error:
+            rospy.logwarn("what the docking has shown of the installation is not kept: %s", error)
+
 
 class CoreMaker:
     """Makes cores, one for each dock, that differ in nothing but the dock."""
 
     def __init__(self, *, lock_step: bool) -> None:
-        """From ~chair, ~controller, ~camera (the files in config/), ~shadow, ~rectified and ~require_contact.
+        """From ~chair, ~controller, ~camera (the files in config/), ~shadow, ~rectified, ~require_contact and
+        ~installation_memory (a file; none or not set: nothing is kept).
 
         Raises:
             ValueError: a parameter is missing, unknown, of the wrong type or out of range.
@@ -55,6 +69,8 @@ class CoreMaker:
         self._chair = load(Chair, rospy.get_param("~chair", None), rospy.resolve_name("~chair"))
         self._given = load(NmpcParameters, rospy.get_param("~controller", None), rospy.resolve_name("~controller"))
         self._camera = load_camera(rectified=flag("~rectified"))
+        file = str(rospy.get_param("~installation_memory", "none"))
+        self._memory = None if file == "none" or self._shadow else Memory(Path(file).expanduser())
 
     def make(self, entry: DockEntry) -> Core:
         """For this dock; ready for the first cycle. Raises ValueError: dock and chair do not fit together."""
@@ -77,6 +93,8 @@ class CoreMaker:
             navigator=navigator,
             plausibility=parameters.plausibility,
         )
+        if self._memory is not None:
+            sequence.knowledge = self._memory.recall(dock.name, mark_of(chair, dock, camera))
         controller.warm_up()  # so that the first cycle is not late
         if not self._shadow:
             navigator.prepare()
@@ -90,6 +108,7 @@ class CoreMaker:
             controller=controller,
             observer=observer,
             sequence=sequence,
+            memory=self._memory,
             shadow=Shadow(controller, observer, parameters.sequence.max_blind_time) if self._shadow else None,
         )
 

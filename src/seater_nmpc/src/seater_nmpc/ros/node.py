@@ -205,6 +205,7 @@ class DockingNode:
             self._client.end()
             if release:
                 self._gate.release(step.result)
+            self._core.remember()
 
     def _report(self, command: Command, phase: str) -> None:
         estimate, counters = self._core.observer.estimate(), self._core.controller.counters

@@ -29,6 +29,7 @@ from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import PlausibilityParameters, SequenceParameters
 from seater_nmpc.plan.navigator import Navigator
+from seater_nmpc.plausibility.installation import Knowledge
 from seater_nmpc.plausibility.watch import Watch
 from seater_nmpc.sequence.ends import Ends
 from seater_nmpc.sequence.goal.deadlines import Pause
@@ -81,6 +82,7 @@ class DockingSequence:
             motion=self._motion,
             navigator=navigator or Navigator(chair, dock, controller.parameters),
             parameters=self._parameters,
+            watch=self._watch,
             require_contact=require_contact,
         )
         self._goal, self._phases = self._context.goal, Phases(self._context)
@@ -270,14 +272,28 @@ class DockingSequence:
         return self._watch.installation
 
     @property
+    def knowledge(self) -> Knowledge:
+        """Of the installation, by the dockings so far; may be set between goals."""
+        return self._watch.knowledge
+
+    @knowledge.setter
+    def knowledge(self, known: Knowledge) -> None:
+        self._watch.knowledge = known
+
+    @property
     def _docking(self) -> bool:
         return self._goal.phase is not Phase.UNDOCKING and not self._goal.staging
 
     def _doubted(self, end: GoalEnd) -> tuple[ResultCode, str]:
-        """Code and text of a goal's end: of one at the dock, those of a wrong installation that shows."""
-        doubt = self._watch.final() if end.code in _AT_THE_DOCK and self._docking else None
-        if doubt is None:
+        """Code and text of a goal's end: of one at the dock, those of a wrong installation that shows, or of a dock
+        that has jumped in the images; not the latter where the contact says that the chair stands in it."""
+        if end.code not in _AT_THE_DOCK or not self._docking:
             return end.code, end.text
+        doubt = self._watch.final() or (None if self._goal.contact else self._watch.jumped())
+        suspicion = self._watch.suspected() if end.code is ResultCode.SUCCESS else ""
+        self._watch.learn()
+        if doubt is None:
+            return end.code, f"{end.text}, but {suspicion}" if suspicion else end.text
         failed = "" if end.code is ResultCode.SUCCESS else f"{end.text}: "
         return ResultCode[doubt.kind.name], failed + doubt.text
 
@@ -298,7 +314,7 @@ class DockingSequence:
         self._controller.reset()
         covariance, sd = self._goal.covariance, (0.0, 0.0)
         if covariance is not None:
-            sd = standard_deviations(covariance, self.observer.parameters, self._watch.final_error)
+            sd = standard_deviations(covariance, self.observer.parameters, *self._watch.final_error)
         step = self._step(now, STANDING, make_result(self._goal, now, self._dock, code, text, sd))
         self._controller.history.clear()  # whoever drives from here on does not say
         return step

@@ -64,12 +64,15 @@ def _off(goal: Progress, dock: Dock) -> Array | None:
     return np.asarray(goal.error - [dock.predock_x, 0.0, 0.0])
 
 
-def standard_deviations(covariance: Array, parameters: ObserverParameters, off: Array) -> tuple[float, float]:
+def standard_deviations(
+    covariance: Array, parameters: ObserverParameters, off: Array, spread: Array
+) -> tuple[float, float]:
     """Of the final error [m, rad], the position's in the direction in which it is largest.
 
-    The noise of the images (`covariance`, (3, 3)), what calibration leaves, and what the way here says of the
-    installation: by how much (x, y, heading) the docked chair seems to be `off` (3,) [m, m, rad].
+    The noise of the images (`covariance`, (3, 3)), what calibration leaves, and what the dockings so far say of the
+    installation: by how much (x, y, heading) the docked chair seems to be `off` (3,) [m, m, rad], and the covariance
+    of that, `spread` (3, 3).
     """
     position, heading = parameters.calibration_position, parameters.calibration_heading
-    P = covariance + np.diag([position**2, position**2, heading**2]) + np.outer(off, off)
+    P = covariance + np.diag([position**2, position**2, heading**2]) + np.outer(off, off) + spread
     return math.sqrt(float(np.linalg.eigvalsh(P[:2, :2])[-1])), math.sqrt(float(P[2, 2]))

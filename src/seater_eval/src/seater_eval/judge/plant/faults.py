@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from seater_common.geometry import pose_matrix
+from seater_common.geometry import Marker, pose_matrix
 from seater_eval.judge.plant.chair import IndependentChair
 from seater_nmpc.observe.measurement import Hypothesis
 from seater_nmpc.observe.odometry import Odometry
@@ -21,6 +22,7 @@ KINDS = {
     "runaway": "goes on as it drove, at least at 0.15 m/s, until the goal has ended (then the power is cut)",
     "reversed": "drives and turns the other way than asked for",
     "shifted": "images agree on a dock that is VALUE [m] to the side",
+    "refocused": "the focal length is told too long by the share VALUE",
     "uncertain": "images are off by VALUE [m], with covariances of 1e6",
 }
 _RUNS_AWAY = 0.15  # [m/s] at least
@@ -42,8 +44,10 @@ class Fault:
 class Injector:
     """Between the chair, its sensors and the driver."""
 
-    def __init__(self, fault: Fault | None) -> None:
+    def __init__(self, fault: Fault | None, markers: Sequence[Marker] = ()) -> None:
+        """`markers`: of the dock, for what is wrong with the images of them."""
         self._fault = fault
+        self._middle = np.mean([marker.position for marker in markers], axis=0) if markers else np.zeros(3)
         self.began: float | None = None  # [s]
         self._over = False
         self._pose: tuple[float, float, float] | None = None
@@ -95,8 +99,16 @@ class Injector:
             hypotheses = [dataclasses.replace(h, T_optical_dock=h.T_optical_dock @ aside) for h in hypotheses]
             if self._acts("uncertain"):
                 hypotheses = [dataclasses.replace(h, covariance=1e6 * np.eye(6)) for h in hypotheses]
+        if self._fault is not None and self._acts("refocused"):
+            hypotheses = [self._refocused(h, self._fault.value) for h in hypotheses]
         self._image = hypotheses or self._image
         return hypotheses
+
+    def _refocused(self, hypothesis: Hypothesis, share: float) -> Hypothesis:
+        """The markers' middle seems farther away by this share, at the same place in the image."""
+        T = hypothesis.T_optical_dock.copy()
+        T[2, 3] += share * float(T[2, :3] @ self._middle + T[2, 3])
+        return dataclasses.replace(hypothesis, T_optical_dock=T)
 
 
 def parse(text: str) -> Fault:

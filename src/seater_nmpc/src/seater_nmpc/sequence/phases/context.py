@@ -17,6 +17,7 @@ from seater_nmpc.observe.observer import DockEstimate, DockObserver
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import SequenceParameters
 from seater_nmpc.plan.navigator import Navigator
+from seater_nmpc.plausibility.watch import Watch
 from seater_nmpc.sequence.goal.progress import Progress
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.rest.standstill import Standstill
@@ -41,6 +42,7 @@ class Context:
     motion: MotionObserver
     navigator: Navigator
     parameters: SequenceParameters
+    watch: Watch
     require_contact: bool
     goal: Progress = field(init=False)
     standstill: Standstill = field(init=False)
@@ -116,7 +118,11 @@ class Context:
         return command
 
     def try_again(self, code: ResultCode, why: str) -> Phase:
-        """The chair backs out for another attempt; where none is left, the goal is given up with this code."""
+        """The chair backs out for another attempt; where none is left, the goal is given up with this code, and at once
+        where the installation is surely wrong: another attempt would end beside the dock as well."""
+        doubt = None if self.goal.staging else self.watch.final()
+        if doubt is not None:
+            return self.give_up(ResultCode[doubt.kind.name], f"{why}: {doubt.text}")
         if self.goal.retries >= self.parameters.max_retries:
             return self.give_up(code, f"{why}, after {self.goal.retries} retries")
         self.goal.retries += 1
