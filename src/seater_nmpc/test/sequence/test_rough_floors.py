@@ -162,3 +162,14 @@ def test_a_stop_that_was_timed_badly_is_no_slope(make_world) -> None:
     assert step.phase is Phase.CORRECTING and world.truth[0] > 0.009, (step, world.truth)
     result = world.run(30.0).result
     assert result.success and result.retries == 0 and abs(world.truth[0]) < 0.006
+
+
+def test_a_chair_is_not_judged_before_its_motors_have_to_stand(make_world) -> None:
+    """Motors that still pushed it back against its roll held it on the spot for 0.3 s; then it rolled 20 mm on."""
+    world = make_world((-0.6, 0.0, 0.0))
+    world.tick()
+    world.sequence.start_dock(world.now)
+    world.run(30.0, until=lambda step: step.phase is Phase.STOPPING)
+    stopped, world.sequence._controller.history.delay = world.now, 1.0
+    step = world.run(10.0, until=lambda step: step.phase is not Phase.STOPPING)
+    assert step.phase in (Phase.VERIFY, Phase.CORRECTING) and 1.2 < world.now - stopped < 2.0
