@@ -139,6 +139,7 @@ std::optional<DecodedMarker> MarkerDecoder::decode(const ImageLevels& image, con
   Alignment start;
   start.quad = quad;
   if (!self.aligner.look(image, start) || !self.aligner.hasBorder(start.samples)) return std::nullopt;
+  if (!self.aligner.showsBits(start.samples)) return std::nullopt;
   const auto likely = self.book.compare(start.samples, Alignment::kStartLevel, kCandidates);
   for (const auto& candidate : likely) {
     if (candidate.correlation < std::max(kWorthFitting, likely[0].correlation - kClearlyBetter)) break;
