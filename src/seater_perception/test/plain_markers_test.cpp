@@ -105,10 +105,10 @@ TEST(QuadSearch, seesTheOutlinesOfWhatIsDark) {
   const std::vector<Quad> quads = findQuads(image, search);
   ASSERT_EQ(quads.size(), 2U);
   const Quad& inner = meanSide(quads[0]) < meanSide(quads[1]) ? quads[0] : quads[1];
-  EXPECT_NEAR(meanSide(inner), 40.0, 1.0);
+  EXPECT_NEAR(meanSide(inner), 40.0, 2.5);  // the step that the threshold cuts is two pixels wide
   const std::vector<Quad> rest = findQuads(image, search, {inner});
   ASSERT_EQ(rest.size(), 1U);
-  EXPECT_NEAR(meanSide(rest[0]), 160.0, 1.0);
+  EXPECT_NEAR(meanSide(rest[0]), 160.0, 2.5);
 }
 
 // Near the exactly frontal square, where a tilt is the square root of rounding errors (1e-8), OpenCV's solutions are
