@@ -48,6 +48,7 @@ MarkerCorners cornersOf(const DecodedMarker& decoded) {
   marker.template_level = decoded.template_level;
   marker.dark = decoded.dark;
   marker.contrast = decoded.contrast;
+  marker.steep = decoded.steep;
   return marker;
 }
 

@@ -66,6 +66,7 @@ std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(const ImageLev
   decoded.template_level = a.level;
   decoded.dark = a.fit.light[0];
   decoded.contrast = a.moved || a.free.size() > 0 ? 0.0 : a.fit.gain;
+  decoded.steep = a.own && !a.moved;
   decoded.correlation = std::sqrt(std::max(0.0, a.fit.explained));
   if (!aligner.hasBorder(a.samples)) return std::nullopt;
   if (a.fit.quiet < kDarkestQuiet * a.fit.gain || a.fit.quiet > kLightestQuiet * a.fit.gain) return std::nullopt;
