@@ -81,7 +81,9 @@ std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(const ImageLev
   if (decoded.surplus < 0.0) return std::nullopt;
   if (evidence.edgesCount() && !a.moved) {
     const double sd = a.own ? a.own_sd : TemplateBook::kTemplateSd[static_cast<std::size_t>(a.level)];
-    const double cost = costOfEdges(codeEdges(image, book, a), meanSide(a.quad) / book.grid().cells(), sd);
+    const double cell = meanSide(a.quad) / book.grid().cells();
+    double cost = costOfEdges(codeEdges(image, book, a), cell, sd);
+    if (isOnePatch(book.pattern(a.id))) cost += threshold.moreOfOnePatch(cell);
     decoded.evidence -= cost;
     decoded.surplus -= cost;
   }
