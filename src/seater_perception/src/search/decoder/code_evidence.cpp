@@ -35,8 +35,9 @@ constexpr double kDisplaced = 0.13, kCostOfDisplacement = 20.0, kSomeRoom = 3.0;
 // Grey level's change over the displacement of an edge, where a Gaussian of 1 cell blurs it: 1 / sqrt(2 pi).
 constexpr double kSlope = 0.3989;
 // A dark square with a light spot is the commonest thing that resembles a code. A patch of 2 x 2 cells has eight edges,
-// of 2 x 3 or 1 x 4 ten; DICT_4X4_50 has one such code (17), which all false finds on drawn marks that are not steep
-// were of. Where its edges are too small to be seen, it needs two decades more.
+// of 2 x 3 or 1 x 4 ten; DICT_4X4_50 has one such code (17), which all false finds on drawn marks that are not steep,
+// and the only one on photographs and paintings, were of. As long as costOfEdges has not all of its room, it needs two
+// decades more.
 constexpr int kEdgesOfPatch = 10;
 constexpr double kMoreOfPatch = 1.2;
 constexpr double kReference = 200.0 / 65536.0;  // of all patterns, those that are codes of DICT_4X4_50
@@ -69,7 +70,7 @@ bool isOnePatch(const MarkerPattern& pattern) {
 }
 
 double EvidenceThreshold::moreOfOnePatch(double cell) const {
-  return one_patch * (1.0 - std::clamp(cell - kSomeRoom, 0.0, 1.0));
+  return one_patch * (1.0 - std::clamp(cell - kRoom, 0.0, 1.0));
 }
 
 double EvidenceThreshold::needed(double worst_bit) const {
