@@ -5,6 +5,8 @@
 #include "pose/marker_pose.h"
 #include "scene.h"
 #include "search/code/template_book.h"
+#include "search/outline/outline_hull.h"
+#include "search/outline/quad_search.h"
 
 using namespace seater_perception;
 
@@ -44,6 +46,69 @@ TEST(TemplateBook, comparesAsTheBlurredCodesThemselves) {
       EXPECT_LT(best[1].correlation, 0.95) << level;
     }
   }
+}
+
+// A round blur is made of rows and columns; any other by the series for both together.
+TEST(PatternTemplate, ofARoundBlurIsThatOfAnyBlur) {
+  const MarkerFamily family = MarkerFamily::named("DICT_6X6_250");
+  const PatternGrid grid(family.cells(), family.border());
+  for (const double sd : {0.12, 0.36, 0.75}) {
+    const PatternTemplate round(grid, family.pattern(77), sd);
+    const PatternTemplate any(grid, family.pattern(77), Eigen::Matrix2d(sd * sd * Eigen::Matrix2d::Identity()));
+    PatternTemplate::Fit light;
+    light.gain = 120.0;
+    light.quiet = -30.0;
+    light.light = {40.0, 6.0, -9.0};
+    const Eigen::VectorXf grey = round.grey(light);
+    EXPECT_LT((grey - any.grey(light)).cwiseAbs().maxCoeff(), 0.02) << sd;
+    EXPECT_NEAR(round.ownFraction(), any.ownFraction(), 1e-12);
+    // Grey levels of an image: what one does not explain of them, the other reads as the same motion.
+    const Eigen::VectorXf image =
+        grey + 5.0f * Eigen::VectorXf::LinSpaced(grey.size(), -1.0f, 1.0f).array().cos().matrix();
+    const auto a = round.fit(image, nullptr, true), b = any.fit(image, nullptr, true);
+    ASSERT_TRUE(a && b);
+    EXPECT_LT((a->motion - b->motion).norm(), 1e-3) << sd;
+  }
+}
+
+// The reference is OpenCV's, which sorts all points.
+TEST(OutlineHull, isTheConvexHull) {
+  cv::RNG random(3);
+  cv::Mat noise(240, 320, CV_8U), dark;
+  random.fill(noise, cv::RNG::UNIFORM, 0, 255);
+  cv::GaussianBlur(noise, noise, cv::Size(), 2.0);
+  dark = noise < 126;
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(dark, outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
+  ASSERT_GT(outlines.size(), 100U);
+  const auto sorted = [](std::vector<cv::Point> points) {
+    std::sort(points.begin(), points.end(),
+              [](const auto& a, const auto& b) { return std::tie(a.x, a.y) < std::tie(b.x, b.y); });
+    return points;
+  };
+  for (const auto& outline : outlines) {
+    std::vector<cv::Point> expected;
+    cv::convexHull(outline, expected);
+    EXPECT_EQ(sorted(convexHullOf(outline)), sorted(expected));
+  }
+  EXPECT_TRUE(convexHullOf({}).empty());
+}
+
+// A dark square within a light one within a dark one: only the dark ones have a print's outline, and a known one none.
+TEST(QuadSearch, seesTheOutlinesOfWhatIsDark) {
+  cv::Mat image(200, 200, CV_8U, cv::Scalar(200));
+  cv::rectangle(image, {20, 20, 160, 160}, cv::Scalar(40), cv::FILLED);
+  cv::rectangle(image, {50, 50, 100, 100}, cv::Scalar(200), cv::FILLED);
+  cv::rectangle(image, {80, 80, 40, 40}, cv::Scalar(40), cv::FILLED);
+  QuadSearch search;
+  search.window = 101;
+  const std::vector<Quad> quads = findQuads(image, search);
+  ASSERT_EQ(quads.size(), 2U);
+  const Quad& inner = meanSide(quads[0]) < meanSide(quads[1]) ? quads[0] : quads[1];
+  EXPECT_NEAR(meanSide(inner), 40.0, 2.5);  // the step that the threshold cuts is two pixels wide
+  const std::vector<Quad> rest = findQuads(image, search, {inner});
+  ASSERT_EQ(rest.size(), 1U);
+  EXPECT_NEAR(meanSide(rest[0]), 160.0, 2.5);
 }
 
 // Near the exactly frontal square, where a tilt is the square root of rounding errors (1e-8), OpenCV's solutions are

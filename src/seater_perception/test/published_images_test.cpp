@@ -9,6 +9,7 @@
 
 #include "pose/marker_pose.h"
 #include "scene.h"
+#include "search/marker_detector.h"
 
 using namespace seater_perception;
 using Corners = std::array<Eigen::Vector2d, 4>;
@@ -98,6 +99,19 @@ INSTANTIATE_TEST_SUITE_P(Families, AprilTags,
                          testing::Values(std::make_tuple("16_05", "DICT_APRILTAG_16h5", 6),
                                          std::make_tuple("25_09", "DICT_APRILTAG_25h9", 7),
                                          std::make_tuple("36_11", "DICT_APRILTAG_36h11", 8)));
+
+// Squares in a painting, and people: one square of 24 px with a light patch was taken for id 17 of DICT_4X4_50.
+TEST(Paintings, showNoMarkers) {
+  for (const char* name : {"Klimt/Klimt.pgm", "Solvay/Solvay_conference_1927_Version2_640x440.jpg"}) {
+    const std::string path = std::string("/usr/share/visp-images-data/ViSP-images/") + name;
+    const cv::Mat image = cv::imread(path, cv::IMREAD_GRAYSCALE);
+    if (image.empty()) GTEST_SKIP() << "Debian's package visp-images-data is not installed (" << path << ")";
+    for (const char* family : {"DICT_4X4_50", "DICT_6X6_250"}) {
+      const MarkerDetector detector(MarkerFamily::named(family), DetectorParameters());
+      EXPECT_TRUE(detector.detect(image).markers.empty()) << path << ", " << family;
+    }
+  }
+}
 
 TEST(Photograph, cornersAreThePublishedOnes) {
   const std::string path = sharedFolder() + "/data/real_aruco/tag_01_d7_14cm.png";

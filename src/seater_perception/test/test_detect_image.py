@@ -156,6 +156,33 @@ def test_exif_orientation_is_honoured(tmp_path: Path) -> None:
     assert "is 720 x 1280, its calibration is for 1280 x 720: it is turned; --orientation" in done.stderr
 
 
+# What the stored image is of the upright one, by the numbers of the EXIF standard.
+STORED = {
+    1: lambda image: image,
+    2: lambda image: cv2.flip(image, 1),
+    3: lambda image: cv2.flip(image, -1),
+    4: lambda image: cv2.flip(image, 0),
+    5: cv2.transpose,
+    6: lambda image: cv2.rotate(image, cv2.ROTATE_90_COUNTERCLOCKWISE),
+    7: lambda image: cv2.flip(cv2.transpose(image), -1),
+    8: lambda image: cv2.rotate(image, cv2.ROTATE_90_CLOCKWISE),
+}
+
+
+def test_every_exif_orientation_comes_upright(tmp_path: Path) -> None:
+    upright, paths = drawn({(500, 300): ("DICT_4X4_50", 3)}), []
+    for orientation, turn in STORED.items():
+        paths.append(tmp_path / f"{orientation}.jpg")
+        stored = cv2.imencode(".jpg", turn(upright), [cv2.IMWRITE_JPEG_QUALITY, 98])[1].tobytes()
+        paths[-1].write_bytes(with_orientation(stored, orientation))
+    paths.append(tmp_path / "none.jpg")
+    cv2.imwrite(str(paths[-1]), upright, [cv2.IMWRITE_JPEG_QUALITY, 98])
+    results = found(*DICTIONARY, *paths)
+    assert [r["turned_by_exif"] for r in results] == [False] + 7 * [True] + [False]
+    for result in results:
+        assert np.abs(np.array(result["markers"][0]["corners"]) - corners_at(500, 300)).max() < 0.1
+
+
 @pytest.mark.parametrize(
     ("dictionary", "ids", "named"),
     [
@@ -186,6 +213,24 @@ def test_any_finds_several_dictionaries_and_poses(tmp_path: Path) -> None:
     cv2.imwrite(str(path), np.full((720, 1280), 200, np.uint8))
     (nothing,) = found("--dictionary", "any", path)
     assert nothing["markers"] == [] and "dictionary" not in nothing
+
+
+@pytest.mark.parametrize("text", ["%YAML:1.0\n---\nimage_width: 640\n", "{{ no: yaml", "bits: 4\n", "", "[1, 2]"])
+def test_any_names_files_that_are_no_families(
+    text: str, image: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stray = tmp_path / "families" / "camera.yml"
+    stray.parent.mkdir()
+    stray.write_text(text)
+    monkeypatch.setenv("SEATER_MARKER_FAMILIES", str(stray.parent))
+    done = run("--dictionary", "any", "--json", image)
+    assert done.returncode == 0, done.stderr
+    assert [m["id"] for m in json.loads(done.stdout)["markers"]] == [3]
+    assert "warning: no marker family, left out: " in done.stderr and str(stray) in done.stderr
+    (result,) = found(*DICTIONARY, image)  # who asks for another one need not know
+    assert [m["id"] for m in result["markers"]] == [3]
+    asked = run("--dictionary", "camera", image)
+    assert asked.returncode == 2 and str(stray) in asked.stderr
 
 
 def test_all_places_of_an_id_are_listed(tmp_path: Path) -> None:

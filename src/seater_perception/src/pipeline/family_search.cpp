@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "seater_perception/errors.h"
+
 namespace seater_perception {
 namespace {
 
@@ -17,16 +19,24 @@ bool begins(const MarkerFamily& smaller, const MarkerFamily& larger) {
   return true;
 }
 
-std::vector<MarkerFamily> known() {
+/// `left_out`: what is wrong with files that are no families, which other programs' files in the same folder are not.
+std::vector<MarkerFamily> known(std::vector<std::string>& left_out) {
   std::vector<MarkerFamily> families;
-  for (const std::string& name : MarkerFamily::names()) families.push_back(MarkerFamily::named(name));
+  for (const std::string& name : MarkerFamily::names()) {
+    try {
+      families.push_back(MarkerFamily::named(name));
+    } catch (const ConfigurationError& error) {
+      left_out.push_back(error.what());
+    }
+  }
   return families;
 }
 
 /// The smallest family that begins this one and holds all ids of the markers.
 MarkerFamily smallest(MarkerFamily family, const std::vector<PlainMarker>& markers) {
   const int highest = markers.empty() ? 0 : markers.back().id;
-  for (const MarkerFamily& other : known()) {
+  std::vector<std::string> left_out;
+  for (const MarkerFamily& other : known(left_out)) {
     if (other.count() > highest && other.count() < family.count() && begins(other, family)) family = other;
   }
   return family;
@@ -80,8 +90,8 @@ bool isWithin(const Quad& corners, const std::vector<PlainMarker>& markers) {
 
 }  // namespace
 
-std::vector<MarkerFamily> allFamilies() {
-  const std::vector<MarkerFamily> families = known();
+std::vector<MarkerFamily> allFamilies(std::vector<std::string>& left_out) {
+  const std::vector<MarkerFamily> families = known(left_out);
   std::vector<MarkerFamily> largest;
   for (std::size_t i = 0; i < families.size(); ++i) {
     bool part = false;  // of a larger one, or of an equal one before it

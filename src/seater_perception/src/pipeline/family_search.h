@@ -50,7 +50,8 @@ class FamilySearch {
   OutlineJudge judge_;  // of the first family
 };
 
-/// Every family that MarkerFamily::names lists, without those that begin another one.
-std::vector<MarkerFamily> allFamilies();
+/// Every family that MarkerFamily::names lists, without those that begin another one. `left_out`: for each file in the
+/// folders of families that is none, which one and why.
+std::vector<MarkerFamily> allFamilies(std::vector<std::string>& left_out);
 
 }  // namespace seater_perception

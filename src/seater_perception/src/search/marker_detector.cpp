@@ -17,6 +17,8 @@ namespace {
 // Of a large marker, corners of the fitted code are 0.03 cells off, which may be more than `edge_band_max`. A quarter
 // of a cell holds that and leaves the inner edge of the border out.
 constexpr double kCoarseBand = 0.25;  // [cells] half width of the band
+// As little as tells light cells from dark ones beside each other (two samples a cell: H. Nyquist, 1928).
+constexpr double kPartedFrom = 2.0;  // [px] the shorter side of a cell
 /// Markers on their way to a result.
 struct Found {
   std::vector<MarkerCorners> markers;
@@ -69,6 +71,7 @@ struct MarkerDetector::Implementation {
   std::optional<MarkerCorners> outlineNear(const ImageLevels& image, const ExpectedMarker& expected) const;
   std::optional<FittedEdges> edges(const cv::Mat& grey, const MarkerCorners& marker) const;
   void refine(const cv::Mat& grey, MarkerCorners& marker) const;
+  bool chosen(const MarkerCorners& marker) const;
 };
 
 /// All of the image.
@@ -78,6 +81,13 @@ Found MarkerDetector::Implementation::search(const ImageLevels& image, bool stro
   std::vector<MarkerCorners> found = own.find(image, all, false);
   if (found.empty() && strong_shadows) found = own.find(image, all, true);
   return sorted(found);
+}
+
+/// Whether the fit had a choice that may make a code out of what is none: samples left out as covered, or a blur as of
+/// a steep angle where pixels hardly part the bits. Without four edges, the bits then have to prove more.
+bool MarkerDetector::Implementation::chosen(const MarkerCorners& marker) const {
+  const bool covered = !(marker.contrast > 0.0);
+  return covered || (marker.steep && shortestSide(marker.corners) < kPartedFrom * family.cells());
 }
 
 /// The edges of a marker; from corners that are only good to a part of a cell, those of a large one in two steps.
@@ -177,9 +187,7 @@ SearchResult MarkerDetector::detect(const cv::Mat& grey, const std::vector<Expec
   Found found = implementation_->search(image, strong_shadows);
   for (const MarkerCorners& marker : found.markers) {
     found.coarse.insert(marker.id);
-    // Samples left out as covered: without four edges, the bits have to prove more.
-    const bool chosen = !(marker.contrast > 0.0);
-    if (chosen && marker.surplus < kDecades) found.weak.insert(marker.id);
+    if (marker.surplus < kDecades && implementation_->chosen(marker)) found.weak.insert(marker.id);
   }
   std::vector<ExpectedMarker> missing;
   for (const ExpectedMarker& e : expected) {

@@ -27,6 +27,7 @@ struct MarkerCorners {
   double surplus = 0.0;               ///< as of DecodedMarker
   int template_level = -1;            ///< DecodedMarker::template_level; -1: not known
   double dark = 0.0, contrast = 0.0;  ///< as of DecodedMarker; contrast 0: not to be relied on
+  bool steep = false;                 ///< as of DecodedMarker
   std::optional<ShadowEdge> shadow;   ///< that lies across it: corners and levels are of withoutShadows
 
   double side() const { return meanSide(corners); }  ///< mean side [px]

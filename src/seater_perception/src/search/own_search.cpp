@@ -22,11 +22,18 @@ std::set<int> idsOf(const std::vector<MarkerCorners>& markers) {
   return ids;
 }
 
-/// Outlines of a part of the image, in coordinates of the whole.
-std::vector<Quad> quadsIn(const cv::Mat& grey, const cv::Rect& region, const QuadSearch& search) {
-  std::vector<Quad> quads = findQuads(grey(region), search);
+/// Outlines of a part of the image, in coordinates of the whole. `known`: markers at which none is looked for.
+std::vector<Quad> quadsIn(const cv::Mat& grey, const cv::Rect& region, const QuadSearch& search,
+                          const std::vector<MarkerCorners>& known = {}) {
+  const Eigen::Vector2d origin(region.x, region.y);
+  std::vector<Quad> places;
+  for (const MarkerCorners& marker : known) {
+    places.push_back(marker.corners);
+    for (auto& corner : places.back()) corner -= origin;
+  }
+  std::vector<Quad> quads = findQuads(grey(region), search, places);
   for (Quad& quad : quads) {
-    for (auto& corner : quad) corner += Eigen::Vector2d(region.x, region.y);
+    for (auto& corner : quad) corner += origin;
   }
   return quads;
 }
@@ -41,6 +48,7 @@ MarkerCorners cornersOf(const DecodedMarker& decoded) {
   marker.template_level = decoded.template_level;
   marker.dark = decoded.dark;
   marker.contrast = decoded.contrast;
+  marker.steep = decoded.steep;
   return marker;
 }
 
@@ -90,7 +98,7 @@ std::vector<MarkerCorners> OwnSearch::find(const ImageLevels& image, const cv::R
 void OwnSearch::addClose(const ImageLevels& image, const cv::Rect& region, const std::vector<Quad>& tried,
                          std::vector<MarkerCorners>& markers) const {
   const std::size_t before = markers.size();
-  for (const Quad& quad : quadsIn(image.grey(), region, closeSearch(parameters_))) {
+  for (const Quad& quad : quadsIn(image.grey(), region, closeSearch(parameters_), markers)) {
     const auto same = [&quad](const Quad& other) { return sameOutline(quad, other); };
     const auto within = [&quad](const MarkerCorners& m) {
       return (centre(quad) - centre(m.corners)).norm() < 0.5 * m.side() && meanSide(quad) < 1.1 * m.side();

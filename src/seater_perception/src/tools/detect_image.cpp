@@ -113,6 +113,9 @@ int run(const std::vector<std::string>& arguments) {
     return kSuccess;
   }
   Detectors detectors(o);
+  for (const std::string& problem : detectors.leftOut()) {
+    std::cerr << "detect_image: warning: no marker family, left out: " << problem << std::endl;
+  }
   if (!o.draw.empty() && o.images.size() > 1 && !fs::is_directory(o.draw)) {
     throw ConfigurationError("--draw: is '" + o.draw + "', must be an existing folder for several images");
   }

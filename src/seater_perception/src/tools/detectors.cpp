@@ -49,7 +49,7 @@ Detectors::Detectors(const Options& options) : options_(options), parameters_(pa
   const bool any = options.dictionary == "any";
   if (!any && !options.dictionary.empty()) family_ = MarkerFamily::named(options.dictionary, "--dictionary");
   if (any || options.plain()) {
-    const auto families = any ? allFamilies() : std::vector<MarkerFamily>{family_};
+    const auto families = any ? allFamilies(left_out_) : std::vector<MarkerFamily>{family_};
     search_ = std::make_unique<FamilySearch>(families, parameters_.detector);
   }
   // What is wrong is said before any image is read.

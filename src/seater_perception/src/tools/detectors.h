@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "pipeline/family_search.h"
 #include "seater_perception/dock_detector.h"
@@ -22,6 +23,8 @@ class Detectors {
   const MarkerFamily& family() const { return family_; }  ///< that is looked for; with `any`, there is none
   /// Finds the family (`any`) or the markers alone; nothing when the family is known and poses are wanted.
   const FamilySearch* search() const { return search_.get(); }
+  /// Files in the folders of families that are none, and why: `any` goes on without them.
+  const std::vector<std::string>& leftOut() const { return left_out_; }
   /// What was not found, and why, where one family is looked for; of `any`, nothing is said.
   std::vector<RefusedCandidate> refusals(const cv::Mat& grey, const DetectionResult& result);
   std::vector<RefusedCandidate> refusals(const cv::Mat& grey, const std::vector<PlainMarker>& found);
@@ -35,6 +38,7 @@ class Detectors {
   PerceptionParameters parameters_;
   std::optional<Calibration> calibration_;
   MarkerFamily family_;
+  std::vector<std::string> left_out_;
   std::unique_ptr<FamilySearch> search_;
   std::unique_ptr<FamilySearch> explainer_;  // of the one family
   std::optional<DockLayout> layout_;         // that poses are wanted of

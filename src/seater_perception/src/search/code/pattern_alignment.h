@@ -41,6 +41,8 @@ class PatternAligner {
   bool look(const ImageLevels& image, Alignment& a) const;
   /// Dark border, lighter quiet zone: what nearly everything that is no marker lacks.
   bool hasBorder(const ImageLevels::Samples& samples) const;
+  /// Something light within the border: dark patches, which are most of what has a border, do not.
+  bool showsBits(const ImageLevels::Samples& samples) const;
   /// From corners within about a third of a cell. False, and `a` of no use, when it is not there.
   bool align(const ImageLevels& image, Alignment& a) const;
   /// The same for an image that moved by up to about 8 px during its exposure, in whatever direction.

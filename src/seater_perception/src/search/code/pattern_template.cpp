@@ -34,6 +34,38 @@ double fractionAlong(double sd) {
   return normalDistribution((1.0 - kQuarter) / sd) - normalDistribution(-kQuarter / sd);
 }
 
+/// What the grid's points (rows) see of the cells (columns) along one axis, the quiet zone's first and last; and how
+/// that changes with the point.
+struct AxisShares {
+  Eigen::MatrixXd value, slope;
+  AxisShares(const PatternGrid& grid, double sd) : value(grid.along(), grid.cells() + 2), slope(value) {
+    for (int point = 0; point < grid.along(); ++point) {
+      const double at = 0.5 * grid.cells() * (1.0 + grid.x(point));
+      const auto line = [at, sd](int border) { return (border - at) / sd; };
+      double before = normalDistribution(line(-1)), density = normalDensity(line(-1));
+      for (int cell = -1; cell <= grid.cells(); ++cell) {
+        const double after = normalDistribution(line(cell + 1)), next = normalDensity(line(cell + 1));
+        value(point, cell + 1) = after - before;
+        slope(point, cell + 1) = (density - next) / sd;
+        before = after, density = next;
+      }
+    }
+  }
+};
+
+/// What blackens a cell: -1 where the pattern is black; `ring`: where its quiet zone begins instead. From the top.
+Eigen::MatrixXd inkOf(const MarkerPattern& pattern, bool ring) {
+  const int n = pattern.cells(), last = n + 1;
+  Eigen::MatrixXd ink(n + 2, n + 2);
+  for (int row = 0; row <= last; ++row) {
+    for (int column = 0; column <= last; ++column) {
+      const bool outside = row == 0 || column == 0 || row == last || column == last;
+      ink(row, column) = ring ? (outside ? -1.0 : 0.0) : pattern.at(column - 1, n - row) - 1.0;
+    }
+  }
+  return ink;
+}
+
 }  // namespace
 
 PatternGrid::PatternGrid(int cells, int border) : cells_(cells), border_(border), along_(2 * cells + 2) {
@@ -45,8 +77,23 @@ int PatternGrid::ring(int row, int column) const {
   return nearest == 0 ? 0 : nearest <= 2 * border_ ? 1 : 2;
 }
 
+/// A round point spread function blurs rows and columns by themselves.
 PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, double psf_sd)
-    : PatternTemplate(grid, pattern, Eigen::Matrix2d(psf_sd * psf_sd * Eigen::Matrix2d::Identity())) {}
+    : columns_(grid.size(), kColumns), own_fraction_(std::pow(fractionAlong(psf_sd), 2)) {
+  const AxisShares shares(grid, psf_sd);
+  const Eigen::MatrixXd ink = inkOf(pattern, false), down = shares.value * ink;
+  const Eigen::MatrixXd value = down * shares.value.transpose(), by_u = down * shares.slope.transpose();
+  const Eigen::MatrixXd by_v = (shares.slope * ink).eval() * shares.value.transpose();
+  const Eigen::MatrixXd quiet = (shares.value * inkOf(pattern, true)).eval() * shares.value.transpose();
+  const double half = 0.5 * grid.cells();
+  for (int row = 0; row < grid.along(); ++row) {
+    for (int column = 0; column < grid.along(); ++column) {
+      setRow(grid, row, column, 1.0 + value(row, column), -quiet(row, column), half * by_u(row, column),
+             half * by_v(row, column));
+    }
+  }
+  factorise();
+}
 
 PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, const Eigen::Matrix2d& psf)
     : columns_(grid.size(), kColumns) {
@@ -54,17 +101,26 @@ PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& p
   own_fraction_ = fractionAlong(sx) * fractionAlong(sy);
   const MarkerPattern dark = withDarkRing(pattern);
   const double half = 0.5 * grid.cells();
-  for (int row = 0, i = 0; row < grid.along(); ++row) {
-    for (int column = 0; column < grid.along(); ++column, ++i) {
+  for (int row = 0; row < grid.along(); ++row) {
+    for (int column = 0; column < grid.along(); ++column) {
       const float x = grid.x(column), y = grid.y(row);
       const PatternResponse p = smoothedPattern(pattern, half * (1.0 + x), half * (1.0 - y), sx, sy, rho);
       const PatternResponse ring = smoothedPattern(dark, half * (1.0 + x) + 1.0, half * (1.0 - y) + 1.0, sx, sy, rho);
-      const auto dx = static_cast<float>(half * p.by_x), dy = static_cast<float>(-half * p.by_y);
-      const float radial = x * dx + y * dy;
-      columns_.row(i) << 1.0f, x, y, static_cast<float>(p.value), static_cast<float>(p.value - ring.value), dx, x * dx,
-          y * dx, dy, x * dy, y * dy, x * radial, y * radial;
+      setRow(grid, row, column, p.value, p.value - ring.value, half * p.by_x, -half * p.by_y);
     }
   }
+  factorise();
+}
+
+void PatternTemplate::setRow(const PatternGrid& grid, int row, int column, double value, double quiet, double by_x,
+                             double by_y) {
+  const float x = grid.x(column), y = grid.y(row), dx = static_cast<float>(by_x), dy = static_cast<float>(by_y);
+  const float radial = x * dx + y * dy;
+  columns_.row(row * grid.along() + column) << 1.0f, x, y, static_cast<float>(value), static_cast<float>(quiet), dx,
+      x * dx, y * dx, dy, x * dy, y * dy, x * radial, y * radial;
+}
+
+void PatternTemplate::factorise() {
   Triangle normal = (columns_.transpose() * columns_).cast<double>();
   normal.diagonal() *= 1.0 + kDamping;
   all_ = normal.llt().matrixL();

@@ -66,6 +66,9 @@ class PatternTemplate {
   Eigen::VectorXf grey(const Fit& fit) const;
 
  private:
+  void setRow(const PatternGrid& grid, int row, int column, double value, double quiet, double by_x, double by_y);
+  void factorise();
+
   Columns columns_;
   double own_fraction_ = 0.0;
   Triangle all_;  // Cholesky factor of columns' * columns

@@ -34,6 +34,12 @@ constexpr double kSharp = 0.12, kBlurred = 0.2;                                 
 constexpr double kDisplaced = 0.13, kCostOfDisplacement = 20.0, kSomeRoom = 3.0;  // [cells], [1/cell], [px]
 // Grey level's change over the displacement of an edge, where a Gaussian of 1 cell blurs it: 1 / sqrt(2 pi).
 constexpr double kSlope = 0.3989;
+// A dark square with a light spot is the commonest thing that resembles a code. A patch of 2 x 2 cells has eight edges,
+// of 2 x 3 or 1 x 4 ten; DICT_4X4_50 has one such code (17), which all false finds on drawn marks that are not steep,
+// and the only one on photographs and paintings, were of. As long as costOfEdges has not all of its room, it needs two
+// decades more.
+constexpr int kEdgesOfPatch = 10;
+constexpr double kMoreOfPatch = 1.2;
 constexpr double kReference = 200.0 / 65536.0;  // of all patterns, those that are codes of DICT_4X4_50
 
 }  // namespace
@@ -52,6 +58,21 @@ double costOfEdges(const CodeEdges& edges, double cell, double psf_sd) {
          kCostOfDisplacement * from(kSomeRoom, cell) * std::max(0.0, displaced - kDisplaced);
 }
 
+bool isOnePatch(const MarkerPattern& pattern) {
+  int edges = 0;
+  for (int row = 0; row < pattern.cells(); ++row) {
+    for (int column = 0; column < pattern.cells(); ++column) {
+      if (column + 1 < pattern.cells()) edges += pattern.at(column, row) != pattern.at(column + 1, row) ? 1 : 0;
+      if (row + 1 < pattern.cells()) edges += pattern.at(column, row) != pattern.at(column, row + 1) ? 1 : 0;
+    }
+  }
+  return edges <= kEdgesOfPatch;
+}
+
+double EvidenceThreshold::moreOfOnePatch(double cell) const {
+  return one_patch * (1.0 - std::clamp(cell - kRoom, 0.0, 1.0));
+}
+
 double EvidenceThreshold::needed(double worst_bit) const {
   return evidence + (worst_bit > kDoubtfulBit ? doubtful_bit : 0.0);
 }
@@ -65,11 +86,11 @@ EvidenceRule::EvidenceRule(const MarkerFamily& family, const std::set<int>& ids)
 }
 
 EvidenceThreshold EvidenceRule::whereExpected(double min_evidence) const {
-  return {std::max(std::min(min_evidence, kLeastEvidence), min_evidence + rarity_), 0.0};
+  return {std::max(std::min(min_evidence, kLeastEvidence), min_evidence + rarity_), 0.0, 0.0};
 }
 
 EvidenceThreshold EvidenceRule::anywhere(double min_evidence) const {
-  return {whereExpected(min_evidence).evidence + (some_ids_ ? kSomeIds : 0.0), kEvidencePerDecade};
+  return {whereExpected(min_evidence).evidence + (some_ids_ ? kSomeIds : 0.0), kEvidencePerDecade, kMoreOfPatch};
 }
 
 }  // namespace seater_perception

@@ -16,11 +16,16 @@ double codeEvidence(double correlation, double worst_bit, double margin, double 
 /// fitted template, which takes what edges are off for blur [cells].
 double costOfEdges(const CodeEdges& edges, double cell, double psf_sd);
 
+/// Whether the light cells of a code are one patch, as small things on dark ones are.
+bool isOnePatch(const MarkerPattern& pattern);
+
 /// The least evidence of a code.
 struct EvidenceThreshold {
-  double evidence = 0.0, doubtful_bit = 0.0;
+  double evidence = 0.0, doubtful_bit = 0.0, one_patch = 0.0;
 
   double needed(double worst_bit) const;
+  /// How much more a code of one patch needs. `cell`: mean side [px]: costOfEdges sees no more of small ones.
+  double moreOfOnePatch(double cell) const;
 };
 
 /// What a family's codes need, when `min_evidence` is what those of DICT_4X4_50 do.

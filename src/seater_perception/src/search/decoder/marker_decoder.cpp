@@ -66,6 +66,7 @@ std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(const ImageLev
   decoded.template_level = a.level;
   decoded.dark = a.fit.light[0];
   decoded.contrast = a.moved || a.free.size() > 0 ? 0.0 : a.fit.gain;
+  decoded.steep = a.own && !a.moved;
   decoded.correlation = std::sqrt(std::max(0.0, a.fit.explained));
   if (!aligner.hasBorder(a.samples)) return std::nullopt;
   if (a.fit.quiet < kDarkestQuiet * a.fit.gain || a.fit.quiet > kLightestQuiet * a.fit.gain) return std::nullopt;
@@ -80,7 +81,9 @@ std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(const ImageLev
   if (decoded.surplus < 0.0) return std::nullopt;
   if (evidence.edgesCount() && !a.moved) {
     const double sd = a.own ? a.own_sd : TemplateBook::kTemplateSd[static_cast<std::size_t>(a.level)];
-    const double cost = costOfEdges(codeEdges(image, book, a), meanSide(a.quad) / book.grid().cells(), sd);
+    const double cell = meanSide(a.quad) / book.grid().cells();
+    double cost = costOfEdges(codeEdges(image, book, a), cell, sd);
+    if (isOnePatch(book.pattern(a.id))) cost += threshold.moreOfOnePatch(cell);
     decoded.evidence -= cost;
     decoded.surplus -= cost;
   }
@@ -139,6 +142,7 @@ std::optional<DecodedMarker> MarkerDecoder::decode(const ImageLevels& image, con
   Alignment start;
   start.quad = quad;
   if (!self.aligner.look(image, start) || !self.aligner.hasBorder(start.samples)) return std::nullopt;
+  if (!self.aligner.showsBits(start.samples)) return std::nullopt;
   const auto likely = self.book.compare(start.samples, Alignment::kStartLevel, kCandidates);
   for (const auto& candidate : likely) {
     if (candidate.correlation < std::max(kWorthFitting, likely[0].correlation - kClearlyBetter)) break;

@@ -29,6 +29,7 @@ struct DecodedMarker {
   int template_level = -1;  ///< template blur level of the fitted code: index into TemplateBook::kTemplateSd
   /// Grey level of its ink, and of its paper over that; contrast 0: a part is covered, or there is motion blur.
   double dark = 0.0, contrast = 0.0;
+  bool steep = false;  ///< read with the blur of a print that is seen at a steep angle
 };
 
 /// Compares quadrilaterals with the codes of a family. Grey levels are taken at four points of each cell and in the

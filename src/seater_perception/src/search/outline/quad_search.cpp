@@ -5,6 +5,8 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "search/outline/outline_hull.h"
+
 namespace seater_perception {
 namespace {
 
@@ -17,7 +19,8 @@ constexpr double kSolid = 0.75;             // fraction of the hull that the out
 constexpr double kLargestRatio = 6.0;       // of the longest to the shortest side: turned by 80 deg
 constexpr double kHullTolerance = 0.012;    // of the outline's length: hull vertices are merged within it
 // The outline runs through dark pixels: in the image's outermost row, what lies beyond is not seen.
-constexpr int kBorder = 1;  // [px]
+constexpr int kBorder = 1;         // [px]
+constexpr double kCleared = 1.05;  // [sides] of a known marker, with the steps of its outline
 // Within it, the decoder's fit comes from one to the other (it pulls from a third of a cell); chosen by hand.
 constexpr double kSamePart = 0.04, kSame = 1.0;  // [sides], [px]
 
@@ -84,11 +87,13 @@ bool fromOutline(const std::vector<cv::Point>& outline, Quad& quad) {
 
 /// Quadrilaterals that an outline may be meant as: none, one or two.
 void toQuads(const std::vector<cv::Point>& outline, double min_side, std::vector<Quad>& quads) {
-  std::vector<cv::Point> corners;
-  cv::convexHull(outline, corners);
+  // Negative: once round a hole, light within dark.
+  const double area = -cv::contourArea(outline, true), least = 0.5 * min_side * min_side;
+  if (area < kSolid * least) return;
+  std::vector<cv::Point> corners = convexHullOf(outline);
   if (corners.size() < 4) return;
   const double hull_area = cv::contourArea(corners);
-  if (hull_area < 0.5 * min_side * min_side || cv::contourArea(outline) < kSolid * hull_area) return;
+  if (hull_area < least || area < kSolid * hull_area) return;
   if (corners.size() > 12) {
     std::vector<cv::Point> fewer;
     cv::approxPolyDP(corners, fewer, kHullTolerance * static_cast<double>(outline.size()), true);
@@ -106,15 +111,27 @@ void toQuads(const std::vector<cv::Point>& outline, double min_side, std::vector
   if (filled < kClearlyFilled && fromOutline(outline, quad) && accept(min_side, quad)) quads.push_back(quad);
 }
 
+/// Nothing is dark there.
+void clear(const Quad& quad, cv::Mat& dark) {
+  const Eigen::Vector2d middle = centre(quad);
+  std::vector<cv::Point> corners;
+  for (const auto& c : quad) {
+    const Eigen::Vector2d p = middle + kCleared * (c - middle);
+    corners.emplace_back(cvRound(p.x()), cvRound(p.y()));
+  }
+  cv::fillConvexPoly(dark, corners, 0);
+}
+
 }  // namespace
 
-std::vector<Quad> findQuads(const cv::Mat& grey, const QuadSearch& search) {
+std::vector<Quad> findQuads(const cv::Mat& grey, const QuadSearch& search, const std::vector<Quad>& known) {
   std::vector<Quad> quads;
   if (grey.cols < 5 || grey.rows < 5) return quads;
   cv::Mat smooth, dark;
   if (search.smooth) cv::blur(grey, smooth, cv::Size(3, 3), cv::Point(-1, -1), cv::BORDER_REPLICATE);
   cv::adaptiveThreshold(search.smooth ? smooth : grey, dark, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY_INV,
                         search.window, search.constant);
+  for (const Quad& quad : known) clear(quad, dark);
   std::vector<std::vector<cv::Point>> outlines;
   cv::findContours(dark, outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
   const auto least = static_cast<std::size_t>(2.5 * search.min_side);

@@ -23,7 +23,8 @@ struct QuadSearch {
 /// makes no outlines, then thresholded once against the local mean; the convex hull of each outline is reduced to four
 /// sides by leaving out the side whose neighbours, prolonged, add the least area. So corners that blur has rounded off
 /// come back.
-std::vector<Quad> findQuads(const cv::Mat& grey, const QuadSearch& search);
+/// `known`: places in which none is looked for, with what little lies round them.
+std::vector<Quad> findQuads(const cv::Mat& grey, const QuadSearch& search, const std::vector<Quad>& known = {});
 
 /// Whether both are the same outline: each corner has one of the other's within 4 % of the side or 1 px.
 bool sameOutline(const Quad& a, const Quad& b);
