@@ -47,7 +47,7 @@ class AtDock:
         self._motors_stand: Array | None = None  # pose in odom, in STOPPING
         self._stand_from = math.inf  # time at which the motors stand [s]
         self._closed = self._context.goal.now  # the contact, when it was so last
-        if phase not in (Phase.STOPPING, Phase.CORRECTING):
+        if phase not in (Phase.STOPPING, Phase.CORRECTING, Phase.VERIFY):
             self._moves = 0
             self._fine_move: FineMove | None = None
             self._moved_from: Array | None = None  # error before it
