@@ -147,7 +147,7 @@ class AtDock:
 
     def _choose(self, error: Array) -> Correction:
         """What is to be done; `_fine_move` is the move, if one is."""
-        c, p, before, effects = self._context, self._context.parameters, self._fine_move, self._after_effects
+        p, before, effects = self._context.parameters, self._fine_move, self._after_effects
         if before is not None and self._moved_from is not None:
             effects.learn(before.turning, self._moved_from, error)
             self._moved_from = None
