@@ -61,9 +61,10 @@ class AtDock:
         # Before the motors stand, one that they hold against its roll only seems to.
         if not c.standstill.has_stood(chair.stamp, c.measured(chair)) or self._motors_stand is None:
             return STANDING
-        fresh = c.observer.measurements_since(max(c.standstill.since, self._stand_from))
+        since = max(c.standstill.since, self._stand_from)
+        fresh = c.observer.measurements_since(since)
         if len(fresh) < p.move_measurements:
-            late = chair.stamp - max(c.standstill.since, self._stand_from) > max(_UNSEEN, _UNSEEN_IMAGES * c.observer.images.period)
+            late = chair.stamp - since > max(_UNSEEN, _UNSEEN_IMAGES * c.observer.images.period)
             return Phase.VERIFY if late else STANDING
         c.goal.error = inverse(standing_dock(fresh))
         self._learn_roll(chair, float(c.goal.error[0]))
@@ -147,7 +148,7 @@ class AtDock:
 
     def _choose(self, error: Array) -> Correction:
         """What is to be done; `_fine_move` is the move, if one is."""
-        c, p, before, effects = self._context, self._context.parameters, self._fine_move, self._after_effects
+        p, before, effects = self._context.parameters, self._fine_move, self._after_effects
         if before is not None and self._moved_from is not None:
             effects.learn(before.turning, self._moved_from, error)
             self._moved_from = None
