@@ -177,10 +177,9 @@ def test_a_chair_is_not_judged_before_its_motors_have_to_stand(make_world) -> No
 
 def test_moves_are_counted_until_the_chair_leaves_the_dock(make_world) -> None:
     """One that crept back each time that it was verified was pushed in again for two minutes, until TIMEOUT."""
-    world = make_world((-0.6, 0.0, 0.0), sequence={"max_moves": 4})
+    world = make_world((-0.6, 0.0, 0.0), sequence={"max_moves": 4, "max_retries": 0})
     world.moves = lambda w, v, omega: (v - 0.02, omega) if "VERIFY" in w.phases[-1:] else (v, omega)
     world.tick()
     world.sequence.start_dock(world.now)
-    result = world.run(140.0).result
-    assert result is not None and result.code.name != "TIMEOUT", result
-    assert world.phases.count("CORRECTING") <= 3 * 4
+    result = world.run(40.0).result
+    assert result is not None and world.phases.count("CORRECTING") <= 4

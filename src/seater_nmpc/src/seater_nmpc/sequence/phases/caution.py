@@ -13,8 +13,9 @@ from seater_nmpc.sequence.phases.finding import Finding
 
 _BY_SIGHT = (Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.CORRECTING, Phase.STAGING)
 _DRIVING = (*_BY_SIGHT, Phase.UNDOCKING, Phase.SEARCHING)
-_NEAR = 0.2  # [m] before the dock
-_GROWTH = 3.3  # [1/m] of `arrival_way` with the distance beyond that
+_NEAR, _FAR = 0.2, 0.6  # [m] before the dock
+_GROWTH = 3.3  # [1/m] of `arrival_way` with the distance between them
+_BRAKING = 0.5  # of `a_max`, farther away
 
 
 class Caution:
@@ -61,10 +62,11 @@ class Caution:
         c = self._context
         if c.goal.error is None:
             return math.inf
-        drive = c.controller.history
+        drive, distance = c.controller.history, max(0.0, -float(c.goal.error[0]))
         reaction = drive.delay + drive.drive.lag_v + c.observer.images.period
-        farther = max(0.0, -float(c.goal.error[0]) - _NEAR)
-        return c.parameters.arrival_way * (1.0 + _GROWTH * farther) / max(reaction, 1e-3)
+        way = c.parameters.arrival_way * (1.0 + _GROWTH * max(0.0, min(distance, _FAR) - _NEAR))
+        braking = 2.0 * _BRAKING * c.chair.limits.a_max * max(0.0, distance - _FAR)
+        return math.hypot(way / max(reaction, 1e-3), math.sqrt(braking))
 
     def _wait_to_be_sure(self, chair: Instant) -> Command | None:
         """Stand while it is not known what is in the way; not for ever."""
