@@ -52,8 +52,8 @@ class Caution:
             v = p.max_blind_distance / max(IMAGES_THAT_MAY_FAIL * period, 1e-3)
         if backs_out and p.back_out_speed <= v:
             v, why = p.back_out_speed, ""  # as it should be: nothing to warn of
-        if phase is Phase.FINAL and self._arrival_speed() <= v:
-            v, why = self._arrival_speed(), ""
+        if phase is Phase.FINAL and (arrival := self._arrival_speed()) <= v:
+            v, why = arrival, ""
         self._context.controller.pace.limit(v=v, why=why)
 
     def _arrival_speed(self) -> float:
