@@ -46,14 +46,16 @@ def blocked(eyes: Array, points: Array, prisms: Sequence[Prism]) -> NDArray[np.b
     The segment is cut by all half-spaces (Cyrus and Beck, 1978); what is left of it lies inside.
     """
     eyes, points = np.asarray(eyes, dtype=float), np.asarray(points, dtype=float)
-    result = np.zeros((len(eyes), len(points)), dtype=bool)
-    for prism in prisms:
-        faces, distances = prism.half_spaces
-        at_eye = (eyes @ faces.T - distances)[:, None, :]
-        change = (points @ faces.T - distances)[None, :, :] - at_eye
-        where = -at_eye / np.where(change == 0.0, 1.0, change)  # where the segment crosses the face
-        begin = np.max(where, axis=2, where=change < 0.0, initial=0.0)
-        end = np.min(where, axis=2, where=change > 0.0, initial=1.0)
-        outside = np.any((change == 0.0) & (at_eye > 0.0), axis=2)  # beside a face that it runs along
-        result |= ~outside & (end - begin > _GRAZING)
-    return result
+    if not prisms:
+        return np.zeros((len(eyes), len(points)), dtype=bool)
+    faces, distances = (np.concatenate(parts) for parts in zip(*(prism.half_spaces for prism in prisms), strict=True))
+    first = np.cumsum([0, *(len(prism.half_spaces[1]) for prism in prisms[:-1])])  # face of each prism
+    at_eye = (eyes @ faces.T - distances)[:, None, :]
+    change = (points @ faces.T - distances)[None, :, :] - at_eye
+    along = change == 0.0
+    where = -at_eye / np.where(along, 1.0, change)  # where the segment crosses the face
+    begin = np.maximum.reduceat(np.where(change < 0.0, where, 0.0), first, axis=2)
+    end = np.minimum.reduceat(np.where(change > 0.0, where, 1.0), first, axis=2)
+    outside = np.logical_or.reduceat(along & (at_eye > 0.0), first, axis=2)  # beside a face that it runs along
+    cut = np.minimum(end, 1.0) - np.maximum(begin, 0.0)
+    return np.asarray(np.any(~outside & (cut > _GRAZING), axis=2))

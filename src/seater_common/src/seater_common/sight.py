@@ -15,6 +15,7 @@ from seater_common.occlusion import Prism, blocked, side_wall_prisms
 
 Array = NDArray[np.float64]
 
+_BLOCK = 512  # poses that are looked at together: as much as stays in the processor's cache
 _NEAREST = 0.05  # [m] along the optical axis; nearer, nothing is sharp
 
 
@@ -30,20 +31,26 @@ class Sight:
         """(n, k): marker (index in the dock's list; None: all) wholly in the image, printed side to the camera, no side
         wall between; poses (n, 3)."""
         poses = np.atleast_2d(np.asarray(poses, dtype=float))
-        eyes = self._eyes(poses)
-        chosen = range(len(self.dock.markers)) if markers is None else markers
-        return np.column_stack([self._sees(poses, eyes, index) for index in chosen])
+        corners, centres, normals = self._markers
+        if markers is not None:
+            chosen = list(markers)
+            corners, centres, normals = corners[chosen], centres[chosen], normals[chosen]
+        blocks = (poses[i : i + _BLOCK] for i in range(0, max(len(poses), 1), _BLOCK))
+        return np.concatenate([self._sees(block, corners, centres, normals) for block in blocks])
 
-    def _sees(self, poses: Array, eyes: Array, index: int) -> NDArray[np.bool_]:
-        corners, centre, normal = self._markers[index]
+    def _sees(self, poses: Array, corners: Array, centres: Array, normals: Array) -> NDArray[np.bool_]:
+        """(n, k) for markers with these corners (k, 4, 3), centres and normals (k, 3)."""
+        eyes, points = self._eyes(poses), corners.reshape(-1, 3)
         c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
-        dx, dy = corners[:, 0] - poses[:, 0, None], corners[:, 1] - poses[:, 1, None]
-        in_base = np.stack([c * dx + s * dy, c * dy - s * dx, np.broadcast_to(corners[:, 2], dx.shape)], axis=2)
-        result = np.all(in_base @ self._planes[:, :3].T + self._planes[:, 3] >= 0.0, axis=(1, 2))
-        result &= (eyes - centre) @ normal > 0.0
-        candidates = np.flatnonzero(result)
+        dx, dy = points[:, 0] - poses[:, 0, None], points[:, 1] - poses[:, 1, None]
+        in_base = np.stack([c * dx + s * dy, c * dy - s * dx, np.broadcast_to(points[:, 2], dx.shape)], axis=2)
+        in_view = np.all(in_base @ self._planes[:, :3].T + self._planes[:, 3] >= 0.0, axis=2)
+        result = np.all(in_view.reshape(len(poses), -1, 4), axis=2)
+        result &= eyes @ normals.T > np.sum(centres * normals, axis=1)
+        candidates = np.flatnonzero(np.any(result, axis=1))
         if len(candidates):
-            result[candidates] = ~np.any(blocked(eyes[candidates], corners, self._walls), axis=1)
+            hidden = blocked(eyes[candidates], points, self._walls).reshape(len(candidates), -1, 4)
+            result[candidates] &= ~np.any(hidden, axis=2)
         return result
 
     @cached_property
@@ -54,10 +61,11 @@ class Sight:
         return np.vstack([self.field.edges(self.mount), ahead])
 
     @cached_property
-    def _markers(self) -> list[tuple[Array, Array, Array]]:
-        """Of each marker: corners (4, 3), centre and normal of its printed side (3,), in the dock's frame."""
-        poses = [(marker, marker.T_dock_marker()) for marker in self.dock.markers]
-        return [(m.corners() @ T[:3, :3].T + T[:3, 3], T[:3, 3], T[:3, 2]) for m, T in poses]
+    def _markers(self) -> tuple[Array, Array, Array]:
+        """Of all markers: corners (k, 4, 3), centres and normals of the printed sides (k, 3), in the dock's frame."""
+        T = np.array([marker.T_dock_marker() for marker in self.dock.markers])
+        own = np.array([marker.corners() for marker in self.dock.markers])
+        return own @ T[:, :3, :3].transpose(0, 2, 1) + T[:, None, :3, 3], T[:, :3, 3], T[:, :3, 2]
 
     @cached_property
     def _walls(self) -> list[Prism]:
