@@ -163,9 +163,9 @@ def main() -> int:
     parser.add_argument(
         "--all", action="store_true", help="also what takes many minutes: every start of each geometry, clang-tidy"
     )
-    # One more than cores: tests with nodes wait a part of their time.
-    parser.add_argument("--jobs", type=int, default=(os.cpu_count() or 1) + 1, metavar="N",
-                        help="tests at the same time (default: %(default)s, one more than cores)")  # fmt: skip
+    # Two more than cores: tests with nodes wait a part of their time (a third of it, on two cores).
+    parser.add_argument("--jobs", type=int, default=(os.cpu_count() or 1) + 2, metavar="N",
+                        help="tests at the same time (default: %(default)s, two more than cores)")  # fmt: skip
     parser.add_argument("--build", type=Path, default=ROOT / "build", metavar="DIR",
                         help="build folder (default: build)")  # fmt: skip
     options = parser.parse_args()

@@ -15,7 +15,7 @@ import numpy as np
 import rosbag
 import rostest
 
-from seater_eval.docking.recording import Recording, read_recording
+from seater_eval.docking.recording import read_recording
 from seater_eval.ros.launch_process import LaunchProcess
 
 # The images are the same bytes and the detector keeps no state between images, so the poses are equal up to the
