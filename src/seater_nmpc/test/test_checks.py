@@ -40,7 +40,8 @@ def test_the_shipped_files_fit_together_and_nothing_is_changed() -> None:
 
 @pytest.mark.parametrize("width", [0.85, 0.80, 0.74])
 def test_margins_and_corridor_shrink_together_in_a_narrow_bay(width: float) -> None:
-    gap, dock = 0.5 * (width - CHAIR.width), replace(DOCK, bay=Bay(width=width))
+    markers = [replace(marker, position=[0.9, 0.7 * marker.position[1], 0.7]) for marker in DOCK.markers]
+    gap, dock = 0.5 * (width - CHAIR.width), replace(DOCK, bay=Bay(width=width), markers=markers)
     adjusted, warnings = check_setup(CHAIR, dock, PARAMETERS, CAMERA)
     margin, extra = adjusted.control.margin, adjusted.planner.extra_margin
     assert SMALLEST_MARGIN <= margin <= PARAMETERS.control.margin and margin + extra < gap
@@ -124,6 +125,10 @@ WARNINGS = [
     ({"parameters": with_sequence(timeouts=Timeouts(verify=2.0))}, ("verify_measurements", "timeouts/verify", "5.0")),
     ({"parameters": with_control(horizon=5)}, ("control/horizon", "chair limits/a_max")),
     ({"dock": with_markers(Marker(0, 0.05, [0.9, 0.0, 0.7], math.pi))}, ("dock markers/size", "19 px")),
+    (
+        {"dock": with_markers(Marker(0, 0.1, [0.9, 0.0, 0.7], math.pi), Marker(1, 0.1, [0.9, 0.46, 0.7], math.pi))},
+        ("dock bay/width", "marker 1", "0.510 m", "0.500 m"),
+    ),
 ]
 
 

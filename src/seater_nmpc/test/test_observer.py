@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from conftest import NOISE, T_ODOM_DOCK, observation
 
-from seater_common.geometry import Chair
+from seater_common.geometry import Chair, Dock
 from seater_common.se2 import arc_step, compose, inverse, wrap_angle
 from seater_nmpc.observe.innovation import Outcome
 from seater_nmpc.observe.measurement import Hypothesis, difference
@@ -272,3 +272,23 @@ def test_true_speeds_are_those_of_the_odometry_less_its_errors() -> None:
     assert DockObserver(CHAIR.camera).true_speeds(0.2, 0.1) == (0.2, 0.1)
     scaled = acquired(parameters=ObserverParameters(odometry_scale=0.25, odometry_heading_scale=-0.2))
     assert scaled.true_speeds(0.25, 0.08, 1.0) == pytest.approx((0.2, 0.1), abs=1e-6)
+
+
+@pytest.mark.parametrize(("distance", "outcome"), [(3.5, Outcome.ACQUIRED), (1.0, Outcome.ELSEWHERE)])
+def test_a_dock_acquired_as_its_mirror_image_is_acquired_anew_from_afar(distance: float, outcome: Outcome) -> None:
+    """Seen 0.1 rad aside the markers face 0.2 rad otherwise; nearby, images that begin to say so are what is wrong."""
+    pose = np.array([0.9 - distance, 0.1 * distance, 0.0])
+    front, sight = Dock().front, math.atan2(0.1 * distance, -distance)
+    mirrored = np.array([*front[:2], wrap_angle(2.0 * sight - front[2])])
+    T_true_wrong = compose(mirrored, inverse(front))  # the dock whose markers are there, and face so
+    observer = DockObserver(CHAIR.camera)
+    standing(observer, pose, 0.0, 1.6)
+    wrong, right = observation(CHAIR, compose(inverse(pose), T_true_wrong)), observation(CHAIR, inverse(pose))
+    first = [observer.add_detections(0.1 + 0.1 * k, [wrong]).outcome for k in range(5)]
+    assert first[-1] is Outcome.ACQUIRED
+    observer.bound_reacquisition(True, front)
+    outcomes = [observer.add_detections(0.7 + 0.1 * k, [right]).outcome for k in range(8)]
+    assert outcomes[-1] is outcome and outcomes[0] is Outcome.GATE
+    if outcome is Outcome.ACQUIRED:
+        assert observer.estimate().pose == pytest.approx(T_ODOM_DOCK, abs=1e-6)
+        assert observer.images.jump is None

@@ -178,6 +178,13 @@ class Dock:
         """Pose (x, y, heading) of the docked chair's base_link in the dock frame [m, m, rad]."""
         return np.array([0.0, 0.0, math.pi if self.direction == "backward" else 0.0])
 
+    @property
+    def front(self) -> Array:
+        """Middle of the markers and the mean direction in which they face, (x, y, yaw) in the dock frame [m, rad]."""
+        x, y = np.mean([marker.position[:2] for marker in self.markers], axis=0)
+        yaws = [marker.normal_yaw for marker in self.markers]
+        return np.array([x, y, math.atan2(sum(map(math.sin, yaws)), sum(map(math.cos, yaws)))])
+
     def docking_error(self, T_dock_base: ArrayLike) -> Array:
         """(x, y, heading) [m, m, rad] of base_link, along the dock's axes, less the docked pose: zero when docked."""
         x, y, heading = np.asarray(T_dock_base, dtype=float) - self.docked_pose

@@ -5,7 +5,9 @@ import pytest
 
 from seater_nmpc.observe.measurement import Measurement
 from seater_nmpc.observe.odometry import NO_TRAVEL, Instant
-from seater_nmpc.plausibility.image_motion import Shown, speeds_by_images
+from seater_nmpc.parameters import PlausibilityParameters
+from seater_nmpc.plausibility.contradiction import Kind
+from seater_nmpc.plausibility.image_motion import Shown, contradiction, speeds_by_images
 
 MIDDLE = np.array([0.9, 0.0])
 
@@ -42,3 +44,30 @@ def test_two_flipped_images_in_a_row_are_no_wheels_that_spin() -> None:
     right = [*shown[:3], *((at, [Measurement(np.array([4.42, 1.213, 0.64]), covariance)]) for at, _ in shown[3:])]
     speeds = speeds_by_images(right, MIDDLE)
     assert speeds is not None and speeds.images[0] == pytest.approx(speeds.odometry[0], abs=0.1)
+
+
+def late(clock: float, slowing: float, share: float = 1.0) -> Shown:
+    """The dock 2 m ahead, seen each 0.1 s by a chair that slows down from 0.5 m/s; its odometry is stamped `clock` [s]
+    later than the images, and its wheels get on by `share` of what they turn."""
+    seen = []
+    for k in range(5):
+        then, t = 0.1 * k - clock, 0.1 * k  # what odometry of that stamp knows, and when the image was taken
+        told, true = (0.25 * at - 0.5 * slowing * at**2 for at in (then, t))
+        dock = Measurement(np.array([told + 2.0 - share * true, 0.0, 0.0]), np.diag([4e-6, 4e-6, 4e-6]))
+        seen.append((Instant(t, np.array([told, 0.0, 0.0]), 0.25 - slowing * then, 0.0, NO_TRAVEL), [dock]))
+    return seen
+
+
+def test_odometry_that_is_stamped_late_is_no_wheel_that_slips() -> None:
+    """0.16 m/s apart while it turns back with 1.1 m/s^2, and 0.15 s late."""
+    speeds = speeds_by_images(late(0.15, 1.1), MIDDLE)
+    assert speeds is not None and speeds.odometry[0] - speeds.images[0] > 0.15
+    assert contradiction(speeds, PlausibilityParameters()) is None
+
+
+@pytest.mark.parametrize("slowing", [0.0, 0.1])
+def test_wheels_that_spin_are_found_whatever_the_clocks_are(slowing: float) -> None:
+    speeds = speeds_by_images(late(0.0, slowing, share=0.1), MIDDLE)
+    assert speeds is not None
+    found = contradiction(speeds, PlausibilityParameters())
+    assert found is not None and found.kind is Kind.WHEELS_SLIP

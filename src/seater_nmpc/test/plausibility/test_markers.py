@@ -18,11 +18,12 @@ from seater_nmpc.plausibility.markers import Markers
 
 CHAIR, DOCK = Chair(), Dock()
 NOISE = 0.003  # [m] of a single marker's centre
+TOLD = math.radians(0.3)  # [rad] standard deviation of an image's rotation, as perception tells
 
 
-def judged(mount=CHAIR.camera, scale: float = 1.0, moved=(0.0, 0.0, 0.0), images: int = 40, x: float = -0.3):
+def judged(mount=CHAIR.camera, scale: float = 1.0, moved=(0.0, 0.0, 0.0), images: int = 40, x: float = -0.3, told=TOLD):
     """What is said of a chair at (x, 0.05 m, 2 deg) whose camera is truly at `mount`, with prints larger by `scale` and
-    marker 1 moved."""
+    marker 1 moved; `told`: standard deviation of each image's rotation [rad]."""
     markers, rng = Markers(CHAIR.camera, DOCK, PlausibilityParameters()), np.random.default_rng(3)
     T = np.linalg.inv(mount.T_base_optical()) @ pose_matrix(inverse([x, 0.05, math.radians(2.0)]))
     for _ in range(images):
@@ -32,7 +33,7 @@ def judged(mount=CHAIR.camera, scale: float = 1.0, moved=(0.0, 0.0, 0.0), images
             T_optical_marker = T @ marker.T_dock_marker()
             T_optical_marker[:3, 3] = scale * (T[:3, :3] @ place + T[:3, 3]) + NOISE * rng.normal(size=3)
             sights.append(MarkerSight(marker.id, T_optical_marker))
-        markers.add([Hypothesis(T, np.eye(6))], sights)
+        markers.add([Hypothesis(T, np.diag([1e-6] * 3 + [told**2] * 3))], sights)
     return markers.check()
 
 
@@ -76,6 +77,13 @@ def test_a_mount_that_is_not_where_it_is_told(wrong, text: str) -> None:
     found = judged(dataclasses.replace(CHAIR.camera, **wrong))
     assert found is not None and found.kind is Kind.INCONSISTENT
     assert text in found.text and "mount" in found.text, found.text
+
+
+def test_images_that_say_little_of_tilt_do_not_decide_by_their_number() -> None:
+    """A single marker of 8 cm 1.7 m away: of a second's images blur and light are the same, and so is their error."""
+    mount = dataclasses.replace(CHAIR.camera, pitch=math.radians(6.0))
+    assert judged(mount, x=-1.2, told=math.radians(3.5)) is None
+    assert judged(mount, x=-1.2, told=math.radians(1.0)) is not None
 
 
 def test_a_few_images_decide_nothing() -> None:

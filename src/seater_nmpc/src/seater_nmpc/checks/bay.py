@@ -62,6 +62,20 @@ def check_bay(given: Given, findings: Findings) -> NmpcParameters:
     return _with_margin(given, findings, margin, aside)
 
 
+def check_markers(given: Given, findings: Findings) -> None:
+    """Warns of markers that would stand in a side wall: the camera sees them from nowhere, or only from afar."""
+    bay = given.dock.bay
+    for marker in given.dock.markers if bay.side_wall_length > 0.0 else []:
+        x, y, _ = marker.position
+        half = 0.5 * marker.size * abs(math.cos(marker.normal_yaw))
+        findings.expect(
+            abs(y) + half <= 0.5 * bay.width + _SAME or not bay.entrance_x < x <= bay.back_wall_x + _SAME,
+            "dock markers, dock bay/width",
+            f"marker {marker.id} reaches {abs(y) + half:.3f} m to the side, and the side wall begins at "
+            f"{0.5 * bay.width:.3f} m: the wall hides it; without it the dock is less well known",
+        )
+
+
 def _with_margin(given: Given, findings: Findings, margin: float, aside: float) -> NmpcParameters:
     """Margin, planner's margin and corridor together: half of a narrow gap is kept, the other half is room to steer."""
     parameters, chair, bay = given.parameters, given.chair, given.dock.bay

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_common.params import ParameterError
-from seater_nmpc.checks.bay import check_bay
+from seater_nmpc.checks.bay import check_bay, check_markers
 from seater_nmpc.checks.findings import Findings, Given
 from seater_nmpc.checks.motion import check_limits, check_times, check_tolerance
 from seater_nmpc.checks.sight import check_sight
@@ -38,6 +38,7 @@ def check_setup(
     if parameters.control.walls:
         adjusted = check_bay(given, findings)
         check_sight(given, findings)
+        check_markers(given, findings)
     check_limits(given, findings)
     check_times(given, findings)
     check_tolerance(given, findings)

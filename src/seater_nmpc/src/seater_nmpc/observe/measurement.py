@@ -116,3 +116,23 @@ def apart(T_odom_base: ArrayLike, before: ArrayLike, now: ArrayLike) -> tuple[fl
     turn = wrap_angle(float(there[2] - here[2]))
     turned = compose([0.0, 0.0, turn], here)
     return math.dist(turned[:2], there[:2]), turn
+
+
+_MIRRORED = 0.15  # [rad] that two poses of one marker may be off from mirroring each other
+_SAME_PLACE = 0.1  # [m] that its place may differ between them
+
+
+def mirrors(eye: ArrayLike, front: ArrayLike, one: ArrayLike, other: ArrayLike) -> bool:
+    """Whether two poses of the dock (3,) are the two that one view of its markers leaves open: the markers stay where
+    they are, and the direction in which they face is mirrored about the line of sight.
+
+    Args:
+        eye: place (2,) from which they are seen, in the frame of the poses.
+        front: (x, y, direction) of the markers' middle in the dock's frame.
+    """
+    a, b = compose(one, front), compose(other, front)
+    if math.dist(a[:2], b[:2]) > _SAME_PLACE:
+        return False
+    x, y = 0.5 * (a[:2] + b[:2]) - np.asarray(eye, float)[:2]
+    sight = math.atan2(-y, -x)
+    return abs(wrap_angle(float(a[2] - sight)) + wrap_angle(float(b[2] - sight))) <= _MIRRORED

@@ -14,13 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import CameraMount
+from seater_common.se2 import compose
 from seater_nmpc.observe.acquisition import Acquisition
 from seater_nmpc.observe.bank import SLIPS, FilterBank
 from seater_nmpc.observe.drift import Drift
 from seater_nmpc.observe.filter import State
 from seater_nmpc.observe.images import Images
 from seater_nmpc.observe.innovation import Fusion, Outcome
-from seater_nmpc.observe.measurement import Hypothesis, Measurement, apart, combine
+from seater_nmpc.observe.measurement import Hypothesis, Measurement, apart, combine, mirrors
 from seater_nmpc.observe.odometry import Instant, Odometry, OdometryBuffer
 from seater_nmpc.observe.offers import Offers
 from seater_nmpc.parameters import ObserverParameters
@@ -28,6 +29,7 @@ from seater_nmpc.parameters import ObserverParameters
 Array = NDArray[np.float64]
 
 _MOST_WAITING = 20  # images that may wait for the odometry of their time
+_OPEN = 1.5  # [m] of the markers: nearer, perspective tells their two poses apart
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,6 +60,7 @@ class DockObserver:
         self.parameters = parameters or ObserverParameters()
         self._offers = Offers(mount, self.parameters)
         self._standing, self._moving_allowed, self._bounded = standing, False, False
+        self._front: Array | None = None  # see bound_reacquisition
         p = self.parameters
         self.images = Images(p.buffer_duration)
         self._calibration = np.diag([p.calibration_position**2, p.calibration_position**2, p.calibration_heading**2])
@@ -90,9 +93,15 @@ class DockObserver:
         """Whether the first estimate may be made while the chair moves; else as constructed."""
         self._moving_allowed = moving
 
-    def bound_reacquisition(self, bounded: bool) -> None:
-        """Whether a dock that images show elsewhere has to be near where it was: while a goal relies on it."""
+    def bound_reacquisition(self, bounded: bool, front: ArrayLike | None = None) -> None:
+        """Whether a dock that images show elsewhere has to be near where it was: while a goal relies on it.
+
+        `front`: (x, y, direction) of its markers' middle in the dock's frame. Where the other place is the mirror image
+        of the first one, seen from afar, the first was the wrong one of the two that few markers leave open: it is
+        acquired anew.
+        """
         self._bounded, self.elsewhere = bounded, None
+        self._front = None if front is None else np.asarray(front, dtype=float)
 
     @property
     def prior(self) -> Array | None:
@@ -208,11 +217,23 @@ class DockObserver:
         series = self._rejected.offer(chair, offered)
         if series is None:
             return fusion
+        if self._was_mirrored(chair, series):
+            self._begin(series)
+            return Fusion(outcome=Outcome.ACQUIRED, innovation=fusion.innovation)
         self.elsewhere = self._too_far(chair, series) if self._bounded else None
         if self.elsewhere is not None:
             return Fusion(outcome=Outcome.ELSEWHERE, innovation=fusion.innovation)
         self._begin(series)
         return Fusion(outcome=Outcome.REACQUIRED, innovation=fusion.innovation)
+
+    def _was_mirrored(self, chair: Instant, series: list[tuple[Instant, Measurement]]) -> bool:
+        """Whether the dock was known by the mirror image of what these images show."""
+        known = self.estimate(chair.stamp)
+        if known is None or self._front is None or self._too_far(chair, series) is None:
+            return False
+        shown = combine([measurement for _, measurement in series]).pose
+        far = math.dist(chair.pose[:2], compose(shown, self._front)[:2]) >= _OPEN
+        return far and mirrors(chair.pose, self._front, known.pose, shown)
 
     def _too_far(self, chair: Instant, series: list[tuple[Instant, Measurement]]) -> tuple[float, float] | None:
         """How far [m, rad] the dock has moved in a way that no drift within the bounds explains; None: near enough."""

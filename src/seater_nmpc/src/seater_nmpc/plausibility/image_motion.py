@@ -28,6 +28,9 @@ _WINDOW = 0.4  # [s] of images
 _FEWEST, _LONGEST = 5, 1.2  # images; [s] that they may take, else the camera is too slow for this
 _NEAREST = 0.3  # [m] of the markers ahead: nearer, their bearing says little of turning
 _CERTAIN = 3.0  # standard deviations
+# [s] by which the stamps of odometry and images may differ (a driver that stamps what it receives): while the chair
+# speeds up or turns in, each then shows another moment.
+_CLOCKS = 0.15
 # [m, rad] off the line that an image may be, beyond its own standard deviations: speeds change. Two flipped images in a
 # row, whose place is nearly right, looked like wheels that spin: the heading tells.
 _ON_THE_LINE = (0.015, 0.1)
@@ -41,6 +44,7 @@ class ImageSpeeds:
     odometry: tuple[float, float]  # v [m/s], omega [rad/s]
     images: tuple[float, float]
     sd: tuple[float, float]  # of the difference
+    later: tuple[float, float] = (0.0, 0.0)  # by how much speeds change within what clocks may differ by
 
 
 def speeds_by_images(shown: Shown, middle: Array, fewest: int = _FEWEST) -> ImageSpeeds | None:
@@ -71,6 +75,7 @@ def speeds_by_images(shown: Shown, middle: Array, fewest: int = _FEWEST) -> Imag
         odometry=odometry,
         images=(odometry[0] - difference[0], odometry[1] - difference[1]),
         sd=(sd * math.hypot(1.0, y / x), sd / x),
+        later=_later(window),
     )
 
 
@@ -79,9 +84,9 @@ def contradiction(speeds: ImageSpeeds, parameters: PlausibilityParameters) -> Co
     p = parameters
     v, omega = (max(abs(a), abs(b)) for a, b in zip(speeds.odometry, speeds.images, strict=True))
     allowed = (
-        p.image_speed + p.image_share * v + _CERTAIN * speeds.sd[0],
+        p.image_speed + p.image_share * v + _CERTAIN * speeds.sd[0] + speeds.later[0],
         # tyres that slip on one side by that share turn a chair of usual width by as much per metre
-        p.image_turning + p.image_share * (omega + 2.0 * v) + _CERTAIN * speeds.sd[1],
+        p.image_turning + p.image_share * (omega + 2.0 * v) + _CERTAIN * speeds.sd[1] + speeds.later[1],
     )
     for axis, name, unit in ((0, "drives", "m/s"), (1, "turns", "rad/s")):
         odometry, images = speeds.odometry[axis], speeds.images[axis]
@@ -108,6 +113,14 @@ def _by_odometry(first: Instant, last: Instant) -> tuple[float, float]:
     x, y, turn = relative(first.pose, last.pose).tolist()
     duration = last.stamp - first.stamp
     return math.copysign(math.hypot(x, y), x) / duration, turn / duration
+
+
+def _later(window: Shown) -> tuple[float, float]:
+    """By how much the speeds of the odometry change within _CLOCKS, as they change most in the window."""
+    share = min(1.0, _CLOCKS / (window[-1][0].stamp - window[0][0].stamp))
+    speeds = np.array([(instant.v, instant.omega) for instant, _ in window])
+    v, omega = (share * np.ptp(speeds, axis=0)).tolist()
+    return v, omega
 
 
 def _poses(best: list[Measurement]) -> tuple[Array, Array, Array]:

@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 
 _FEWEST = 20  # images that decide
 _CERTAIN = 4.0  # standard deviations of their mean
+_COMMON = 2.0  # told standard deviations of one image: blur, light and print err alike in all that follow each other
 _FARTHEST = 1.5  # [m] of the camera: farther away, the places of single markers and the height say little
 
 
@@ -60,6 +61,7 @@ class Markers:
     def restart(self) -> None:
         """Forget what was shown."""
         self._scale, self._tilt, self._height = Mean(1), Mean(2), Mean(1)
+        self._tilt_sd = Mean(1)  # [rad] of one image, as perception tells
         self._off = {number: Mean(3) for number in self._places}
 
     def add(self, hypotheses: Sequence[Hypothesis], sights: Sequence[MarkerSight]) -> None:
@@ -72,6 +74,7 @@ class Markers:
             return
         T_optical_dock = hypotheses[0].T_optical_dock
         self._add_tilt(self._T_base_optical @ T_optical_dock, float((T_optical_dock @ self._middle)[2]))
+        self._tilt_sd.add(np.array([self._sd_of_tilt(hypotheses[0].covariance)]))
         if len(seen) > 2 and max(float(place[2]) for place in seen.values()) <= _FARTHEST:
             self._add_places(seen, T_optical_dock)
 
@@ -90,7 +93,7 @@ class Markers:
                 return _inconsistent(
                     f"marker {number} is off the line of the others by {way:.0f} mm", "lifted off, or moved?"
                 )
-        tilt = float(np.abs(self._tilt.sure).max())
+        tilt = float(np.abs(self._tilt.sure).max()) - _COMMON * float(self._tilt_sd.value[0])
         if tilt > p.mount_tilt:
             roll, pitch = np.degrees([-self._tilt.value[1], self._tilt.value[0]])
             return _inconsistent(
@@ -118,6 +121,11 @@ class Markers:
             middle = T_base_dock @ self._middle
             arm = middle[:2] - self._T_base_optical[:2, 3]  # a mount that is tilted by so much lifts what it sees
             self._height.add(np.array([middle[2] - self._middle[2] + float(tilt @ arm)]))
+
+    def _sd_of_tilt(self, covariance: Array) -> float:
+        """[rad] of the larger one of roll and pitch."""
+        R = self._T_base_optical[:2, :3]
+        return math.sqrt(max(0.0, float(np.linalg.eigvalsh(R @ covariance[3:, 3:] @ R.T)[-1])))
 
     def _add_places(self, seen: dict[int, Array], T_optical_dock: Array) -> None:
         """Where each marker is in the dock's frame, less the shift, turns and scale that fit all of them best."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from seater_common.geometry import Chair, Dock
 from seater_nmpc.observe.images import Jump
+from seater_nmpc.observe.innovation import Outcome
 from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.prediction import CommandHistory
@@ -47,6 +48,7 @@ class Watch:
         self._installation = Installation(chair.camera, dock, observer.parameters)
         self._begun, self._compared = 0.0, -np.inf  # [s] begin of the goal; newest image that was compared
         self._suspected: deque[bool] = deque(maxlen=_CONFIRMED[1])  # whether the last images contradict the odometry
+        self._acquired = 0  # how often the dock has been
         self._jump: Jump | None = None  # the newest one that was looked at
         self._shift: Shift | None = None  # how far the dock has jumped in this goal
 
@@ -150,7 +152,10 @@ class Watch:
         shown = self._shown()
         if not shown or shown[-1][0].stamp <= self._compared:
             return None
-        known = self._observer.estimate()
+        known, acquired = self._observer.estimate(), self._observer.images.counts[Outcome.ACQUIRED]
+        if acquired > self._acquired:  # what came before was measured against another pose
+            self._installation.restart()
+        self._acquired = acquired
         for chair, offered in shown if known is not None else []:
             if known is not None and chair.stamp > self._compared:
                 self._installation.add(chair, offered, known.pose)

@@ -96,6 +96,6 @@ class Phases:
         self._way_out.restart()
         self._staging.restart()
         observer.acquire_moving(phase is Phase.SEARCHING)
-        observer.bound_reacquisition(phase not in _DOCK_ANYWHERE)
+        observer.bound_reacquisition(phase not in _DOCK_ANYWHERE, self._context.dock.front)
         if phase in _FROM_REST:
             controller.reset()
