@@ -1,0 +1,42 @@
+"""What a stop shows of a chair that rolls while its brakes are open."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from seater_nmpc.sequence.rest.roll import Roll, RollWatch
+
+DEMAND_ENDS, MOTORS_STAND, PERIOD = 10.0, 10.7, 0.08
+TICK = 0.0011  # [m] of a coarse encoder
+
+
+def seen(speed: float, hold: float, heading: float = 0.7, waits: float = 1.5) -> Roll:
+    """By the odometry of a chair that rolls so fast until its brakes hold."""
+    watch = RollWatch(DEMAND_ENDS, MOTORS_STAND)
+    for now in np.arange(DEMAND_ENDS, DEMAND_ENDS + hold + waits, PERIOD):
+        way = TICK * round(speed * (min(now, DEMAND_ENDS + hold) - DEMAND_ENDS) / TICK)
+        watch.see(float(now), [1.0 + way * math.cos(heading), 2.0 + way * math.sin(heading), heading])
+    return watch.seen
+
+
+@pytest.mark.parametrize("speed", [-0.02, -0.009, 0.012, 0.016])
+@pytest.mark.parametrize("hold", [1.2, 1.5])
+def test_speed_and_time_of_the_roll_are_measured(speed: float, hold: float) -> None:
+    """To 3 mm: two ticks, and what is rolled in a cycle."""
+    found = seen(speed, hold)
+    assert found.way() == pytest.approx(speed * hold, abs=0.003) and found.hold == pytest.approx(hold, abs=0.2)
+    assert found.way(0.5) == pytest.approx(found.way() + 0.5 * found.speed)
+
+
+def test_a_chair_that_stands_by_then_or_moves_by_a_tick_does_not_roll() -> None:
+    assert seen(0.02, 0.6) == Roll() and seen(0.001, 1.5) == Roll() and RollWatch(0.0, 1.0).seen == Roll()
+
+
+def test_stops_are_averaged_and_one_that_shows_nothing_halves_it() -> None:
+    assert Roll().after(Roll(0.02, 1.2)) == Roll(0.02, 1.2)
+    mean = Roll(0.02, 1.2).after(Roll(0.01, 1.4))
+    assert (mean.speed, mean.hold) == pytest.approx((0.015, 1.3))
+    assert Roll(0.02, 1.2).after(Roll()) == Roll(0.01, 1.2)
