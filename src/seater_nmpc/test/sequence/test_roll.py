@@ -35,6 +35,17 @@ def test_a_chair_that_stands_by_then_or_moves_by_a_tick_does_not_roll() -> None:
     assert seen(0.02, 0.6) == Roll() and seen(0.001, 1.5) == Roll() and RollWatch(0.0, 1.0).seen == Roll()
 
 
+def test_it_turns_downhill_across_a_slope() -> None:
+    """Whether it rolls as well or not."""
+    for speed in (0.0, -0.012):
+        watch = RollWatch(DEMAND_ENDS, MOTORS_STAND)
+        for now in np.arange(DEMAND_ENDS, 13.0, PERIOD):
+            rolled = min(float(now), DEMAND_ENDS + 1.4) - DEMAND_ENDS
+            watch.see(float(now), [speed * rolled, 0.0, 0.012 * rolled])
+        assert watch.seen.turn() == pytest.approx(0.012 * 1.4, abs=0.002)
+        assert watch.seen.way() == pytest.approx(speed * 1.4, abs=0.002)
+
+
 def test_stops_are_averaged_and_one_that_shows_nothing_halves_it() -> None:
     assert Roll().after(Roll(0.02, 1.2)) == Roll(0.02, 1.2)
     mean = Roll(0.02, 1.2).after(Roll(0.01, 1.4))

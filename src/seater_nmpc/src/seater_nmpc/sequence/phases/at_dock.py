@@ -163,10 +163,10 @@ class AtDock:
     def _choose(self, error: Array) -> Correction:
         """What is to be done; `_fine_move` is the move, if one is."""
         p, before, effects = self._context.parameters, self._fine_move, self._after_effects
+        effects.roll = self._context.goal.roll
         if before is not None and self._moved_from is not None:
             effects.learn(before.turning, self._moved_from, error)
             self._moved_from = None
-        effects.rolls = self._context.goal.roll.way()
         if effects.shifts(p.hold_position):  # a turn costs another push or two: only where it must be
             p = replace(p, hold_heading=max(p.hold_heading, p.release_heading))
         use = {"turn": True, "move": True}

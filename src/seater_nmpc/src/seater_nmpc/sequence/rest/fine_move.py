@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 _LONGEST = 0.6  # [s]
 _FASTEST = (0.08, 0.35)  # [m/s, rad/s]
 _TINY = 1e-6  # [m/s or rad/s]: the smallest command
+_PUSHED = 0.2  # [s] that a turn takes, about
 _MUST = 2.0  # times what not moving leaves: a push that fails teaches, and costs less than another attempt
 _LEVELS = 24  # commands that are compared
 
@@ -51,14 +52,16 @@ class FineMove:
         self._most = limits.omega_max if turning else limits.v_bay_max  # that is sent at the dock
         lag = drive.lag_omega if turning else drive.lag_v
         self._begin = float(error[self._index])
-        self._wanted = self._begin - leave
+        roll = roll or Roll()
+        self._drift = roll.turn(_PUSHED) if turning else 0.0  # [rad] by itself meanwhile; straight, it has to be learned
+        self._wanted = self._begin + self._drift - leave
         self._learned: Learned = {} if before is None else before._learned_after(error)
         key = (turning, self._wanted > 0.0)
         if key not in self._learned:
             other = self._learned.get((turning, not key[1]))
             self._learned[key] = MoveResponse(turning, self._axis, lag, other)
         self._response = self._learned[key]
-        self._response.saw(roll or Roll(), -math.copysign(1.0, self._wanted))
+        self._response.saw(roll, -math.copysign(1.0, self._wanted))
         self._period, self._worth = period, _MUST if must else 1.0
         self._plan = self._best()  # commands of all cycles
         self._cycle, self._shown = 0, False
@@ -105,7 +108,8 @@ class FineMove:
             return self._learned
         self._shown = True
         if self.is_worthwhile:
-            self._response.learn(self._plan, self._period, math.copysign(1.0, self._wanted) * (self._begin - left))
+            moved = self._begin + self._drift - left
+            self._response.learn(self._plan, self._period, math.copysign(1.0, self._wanted) * moved)
         for key, response in self._learned.items():
             if key != (self.turning, self._wanted > 0.0):
                 response.forget()

@@ -85,7 +85,7 @@ class MoveResponse:
 
     def saw(self, roll: Roll, direction: float) -> None:
         """What stops have shown; `direction`: 1.0, where it is pushed ahead, or -1.0."""
-        if len(self._rolls) == 1 or roll.speed == 0.0:
+        if len(self._rolls) == 1 or not roll.seen:
             return
         self._hold, way = roll.hold, min(max(direction * roll.way(), self._rolls[0]), self._rolls[-1])
         shown = np.exp(-0.5 * ((self._rolls - way) / roll.sd) ** 2)

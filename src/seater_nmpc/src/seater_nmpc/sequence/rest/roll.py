@@ -1,8 +1,8 @@
 """How a chair rolls while its brakes are open: on a slope, from a push or turn on until they grip again.
 
 A motor without demand gives way to the slope's pull with a steady speed, so the way is that speed times the time with
-open brakes: the time of the push and the time until they grip. Both show in the odometry of each stop, after the motors
-have to stand.
+open brakes: the time of the push and the time until they grip. Across a slope it turns downhill in the same manner. All
+three show in the odometry of each stop, after the motors have to stand.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from seater_common.se2 import relative
 
 Array = NDArray[np.float64]
 
-_SEEN = 0.002  # [m] rolled from which on it is a roll: two ticks of a coarse encoder
+_SEEN = (0.002, 0.004)  # [m, rad] from which on it is a roll: two ticks of a coarse encoder
 _NEWEST = 0.5  # weight of the newest stop
 _SD, _SHARE = 0.002, 0.15  # [m], and share of the way, by which a roll differs from the last one
 _USUAL_HOLD = 1.0  # [s] from the end of the demand until brakes grip; of powered chairs 0.3 to 2 s
@@ -29,10 +29,20 @@ class Roll:
 
     speed: float = 0.0  # [m/s] ahead (negative: back) while the brakes are open
     hold: float = _USUAL_HOLD  # [s] after the end of the demand
+    turning: float = 0.0  # [rad/s] meanwhile
 
     def way(self, pushed: float = 0.0) -> float:
         """[m] ahead, of a move that is pushed for so long [s]."""
         return self.speed * (pushed + self.hold)
+
+    def turn(self, pushed: float = 0.0) -> float:
+        """[rad] that it turns beside what it is pushed for."""
+        return self.turning * (pushed + self.hold)
+
+    @property
+    def seen(self) -> bool:
+        """Whether it rolls at all."""
+        return self.speed != 0.0 or self.turning != 0.0
 
     @property
     def sd(self) -> float:
@@ -41,12 +51,12 @@ class Roll:
 
     def after(self, seen: Roll) -> Roll:
         """With one more stop, in which this one was seen."""
-        if seen.speed == 0.0:  # it did not roll, or not longer than its motors may have run on
-            return Roll((1.0 - _NEWEST) * self.speed, self.hold)
-        if self.speed == 0.0:
+        if not self.seen:
             return seen
-        mean = (1.0 - _NEWEST) * np.array([self.speed, self.hold]) + _NEWEST * np.array([seen.speed, seen.hold])
-        return Roll(*mean.tolist())
+        old = 1.0 - _NEWEST
+        speed, turning = old * self.speed + _NEWEST * seen.speed, old * self.turning + _NEWEST * seen.turning
+        # Where nothing is seen, it did not roll, or not longer than its motors may have run on.
+        return Roll(speed, old * self.hold + _NEWEST * seen.hold if seen.seen else self.hold, turning)
 
 
 class RollWatch:
@@ -56,7 +66,8 @@ class RollWatch:
         """Times [s] at which the last command ends to act, and at which the motors have to stand."""
         self._demand_ends, self._motors_stand = demand_ends, motors_stand
         self._from: Array | None = None
-        self._ways: list[tuple[float, float]] = []  # (time [s], rolled [m])
+        self._times: list[float] = []  # [s]
+        self._ways: list[tuple[float, float]] = []  # rolled, turned [m, rad]
 
     def see(self, stamp: float, pose: ArrayLike) -> None:
         """Where the chair is (3,), in any frame that does not move."""
@@ -64,7 +75,9 @@ class RollWatch:
             return
         if self._from is None:
             self._from = np.array(pose, dtype=float)
-        self._ways.append((stamp, float(relative(self._from, pose)[0])))
+        moved = relative(self._from, pose)
+        self._times.append(stamp)
+        self._ways.append((float(moved[0]), float(moved[2])))
 
     @property
     def since(self) -> float:
@@ -80,11 +93,15 @@ class RollWatch:
     def seen(self) -> Roll:
         """Of a chair that stands by now. A steady roll has done half of its way in half of its time, whatever comes
         after it."""
-        if self._from is None or abs(self._ways[-1][1]) < _SEEN:
+        if self._from is None:
             return Roll()
-        begin, half = self._ways[0][0], 0.5 * self._ways[-1][1]
-        later = next(k for k, (_, way) in enumerate(self._ways) if way / half >= 1.0)
-        (t0, w0), (t1, w1) = self._ways[max(later - 1, 0)], self._ways[later]
-        middle = t1 if w1 == w0 else t0 + (t1 - t0) * (half - w0) / (w1 - w0)
-        duration = max(2.0 * (middle - begin), 1e-3)
-        return Roll(2.0 * half / duration, begin + duration - self._demand_ends)
+        times, ways = np.array(self._times), np.array(self._ways) / _SEEN
+        by = int(np.argmax(np.abs(ways[-1])))  # the one that shows best when it ended
+        if abs(ways[-1, by]) < 1.0:
+            return Roll()
+        share = ways[:, by] / ways[-1, by]
+        later = int(np.argmax(share >= 0.5))
+        around = slice(max(later - 1, 0), later + 1)
+        duration = max(2.0 * (float(np.interp(0.5, share[around], times[around])) - times[0]), 1e-3)
+        speeds = np.where(np.abs(ways[-1]) < 1.0, 0.0, ways[-1] * _SEEN) / duration
+        return Roll(float(speeds[0]), float(times[0] + duration - self._demand_ends), float(speeds[1]))
