@@ -156,7 +156,7 @@ class AtDock:
         if verdict is Correction.STAY or (verdict is Correction.AGAIN and last and within(error, c.dock.tolerance)):
             return Phase.VERIFY
         if verdict is Correction.AGAIN:
-            return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock")
+            return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock" + c.goal.roll.in_words)
         self._moves, self._moved_from = self._moves + 1, error
         return Phase.CORRECTING
 

@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 _SEEN = (0.002, 0.004)  # [m, rad] from which on it is a roll: two ticks of a coarse encoder
 _NEWEST = 0.5  # weight of the newest stop
 _SD, _SHARE = 0.002, 0.15  # [m], and share of the way, by which a roll differs from the last one
+_WORTH_SAYING = 5.0  # [mm]
 _USUAL_HOLD = 1.0  # [s] from the end of the demand until brakes grip; of powered chairs 0.3 to 2 s
 
 
@@ -43,6 +44,12 @@ class Roll:
     def seen(self) -> bool:
         """Whether it rolls at all."""
         return self.speed != 0.0 or self.turning != 0.0
+
+    @property
+    def in_words(self) -> str:
+        """For the text of a result; empty where it hardly rolls."""
+        way = 1e3 * self.way()
+        return f", as it rolls {abs(way):.0f} mm until its brakes hold" if abs(way) >= _WORTH_SAYING else ""
 
     @property
     def sd(self) -> float:
