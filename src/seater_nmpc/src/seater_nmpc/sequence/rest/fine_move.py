@@ -53,7 +53,7 @@ class FineMove:
         lag = drive.lag_omega if turning else drive.lag_v
         self._begin = float(error[self._index])
         roll = roll or Roll()
-        self._drift = roll.turn(_PUSHED) if turning else 0.0  # [rad] by itself meanwhile; straight, it has to be learned
+        self._drift = roll.turn(_PUSHED) if turning else 0.0  # [rad] by itself meanwhile
         self._wanted = self._begin + self._drift - leave
         self._learned: Learned = {} if before is None else before._learned_after(error)
         key = (turning, self._wanted > 0.0)
