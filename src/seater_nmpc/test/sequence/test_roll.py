@@ -51,3 +51,24 @@ def test_stops_are_averaged_and_one_that_shows_nothing_halves_it() -> None:
     mean = Roll(0.02, 1.2).after(Roll(0.01, 1.4))
     assert (mean.speed, mean.hold) == pytest.approx((0.015, 1.3))
     assert Roll(0.02, 1.2).after(Roll()) == Roll(0.01, 1.2)
+
+
+class Slope:
+    """Rolls with these speeds [m/s, rad/s] while its brakes are open: until 1.3 s after the last command."""
+
+    def __init__(self, speed: float, turning: float) -> None:
+        self.speed, self.turning, self.idle = speed, turning, math.inf
+
+    def moves(self, world, v: float, omega: float) -> tuple[float, float]:
+        self.idle = 0.0 if v or omega else self.idle + 0.01
+        return (v + self.speed, omega + self.turning) if self.idle < 1.3 else (v, omega)
+
+
+@pytest.mark.parametrize(("speed", "turning"), [(0.016, 0.0), (-0.012, 0.0), (-0.01, 0.006)])
+def test_a_chair_that_rolls_docks_with_few_moves(make_world, speed: float, turning: float) -> None:
+    world = make_world((-0.5, 0.0, 0.0), moves=Slope(speed, turning).moves)
+    world.tick()
+    world.sequence.start_dock(world.now)
+    result = world.run(60.0).result
+    assert result is not None and result.success and result.retries == 0
+    assert world.phases.count("CORRECTING") <= 3 and abs(world.truth[0]) < 0.006, (world.phases, world.truth)
