@@ -60,16 +60,23 @@ def test_what_is_beyond_doubt_is_less_than_the_error() -> None:
     assert left == pytest.approx([-0.003, 0.0, 0.01])
 
 
-@pytest.mark.parametrize(("shift", "moves"), [(-0.007, 1), (-0.002, 0)])
-def test_an_offset_that_only_verification_shows_is_mended(make_world, shift: float, moves: int) -> None:
-    """Something moves the chair between the few images and the many: 7 mm are worth a small move, 2 mm are not."""
-    world = make_world((-0.3, 0.0, 0.0))
+@pytest.mark.parametrize(("bias", "moves"), [(0.0065, 1), (0.002, 0)])
+def test_an_offset_that_only_verification_shows_is_mended(make_world, bias: float, moves: int) -> None:
+    """The images before it show the chair too far ahead: 6.5 mm are worth a small move, 2 mm are not."""
+
+    def shows(world, found):
+        if world.phases[-1:] != ["VERIFY"]:
+            for each in found:
+                each.T_optical_dock[2, 3] -= bias
+        return found
+
+    world = make_world((-0.3, 0.0, 0.0), shows=shows)
     world.tick()
     world.sequence.start_dock(world.now)
-    step = world.run(60.0, until=lambda step: step.phase.name == "VERIFY")
+    world.run(60.0, until=lambda step: step.phase.name == "VERIFY")
     before = world.phases.count("CORRECTING")
-    world.truth = world.truth + [shift - world.truth[0], 0.0, 0.0]
+    world.shows = lambda world, found: found
     step = world.run(60.0)
     assert step.result is not None and step.result.success
-    assert world.phases.count("CORRECTING") - before == moves
-    assert abs(world.truth[0]) < 0.0035
+    assert world.phases.count("CORRECTING") - before == moves, world.truth
+    assert abs(world.truth[0]) < 0.004
