@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from seater_nmpc.parameters import Timeouts
 from seater_nmpc.sequence.goal.deadlines import Deadlines
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase
-from seater_nmpc.sequence.rest.roll import Roll
 
 Array = NDArray[np.float64]
 
@@ -36,7 +35,6 @@ class Progress:
         self.no_way = ""  # why there is no way into the bay
         self.expected_rest: float | None = None  # [m] ahead of the dock, where a stop was to end
         self.overshoot = 0.0  # [m] beyond where its last stop at the dock was to end
-        self.roll = Roll()  # while its brakes are open: on a slope
 
     def enter(self, phase: Phase) -> None:
         """A phase begins."""

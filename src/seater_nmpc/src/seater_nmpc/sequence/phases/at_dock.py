@@ -16,7 +16,7 @@ from seater_nmpc.sequence.rest.after_effects import AfterEffects
 from seater_nmpc.sequence.rest.correction import Verdict as Correction
 from seater_nmpc.sequence.rest.correction import is_off, judge, standing_dock, surely
 from seater_nmpc.sequence.rest.fine_move import FineMove
-from seater_nmpc.sequence.rest.roll import RollWatch
+from seater_nmpc.sequence.rest.roll import Roll, RollWatch
 from seater_nmpc.sequence.rest.verification import Verdict, Verification, within
 
 Array = NDArray[np.float64]
@@ -39,7 +39,7 @@ class AtDock:
 
     def __init__(self, context: Context) -> None:
         self._context = context
-        self._phase = context.goal.phase
+        self._phase, self._rolls = context.goal.phase, Roll()
         self.restart(context.goal.phase)
 
     def restart(self, phase: Phase) -> None:
@@ -47,6 +47,8 @@ class AtDock:
         self._verification: Verification | None = None
         self._begun_by, self._phase = self._phase, phase
         self._roll: RollWatch | None = None  # in STOPPING
+        if phase is Phase.WAITING_FOR_DOCK:  # it may be another floor
+            self._rolls = Roll()
         self._closed = self._context.goal.now  # the contact, when it was so last
         if phase not in (Phase.STOPPING, Phase.CORRECTING, Phase.VERIFY):
             self._moves = 0
@@ -135,7 +137,7 @@ class AtDock:
             goal.overshoot = off if abs(off) > _OVERSHOT else 0.0
         goal.expected_rest = None
         if self._begun_by in (Phase.FINAL, Phase.CORRECTING):
-            goal.roll = goal.roll.after(roll.seen)
+            self._rolls = self._rolls.after(roll.seen)
 
     def _needs_move(self) -> bool:
         """Whether verification shows, beyond doubt, what the few images before it did not."""
@@ -155,14 +157,14 @@ class AtDock:
         if verdict is Correction.STAY or (verdict is Correction.AGAIN and last and within(error, c.dock.tolerance)):
             return Phase.VERIFY
         if verdict is Correction.AGAIN:
-            return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock" + c.goal.roll.in_words)
+            return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock" + self._rolls.in_words)
         self._moves, self._moved_from = self._moves + 1, error
         return Phase.CORRECTING
 
     def _choose(self, error: Array) -> Correction:
         """What is to be done; `_fine_move` is the move, if one is."""
         p, before, effects = self._context.parameters, self._fine_move, self._after_effects
-        effects.roll = self._context.goal.roll
+        effects.roll = self._rolls
         if before is not None and self._moved_from is not None:
             effects.learn(before.turning, self._moved_from, error)
             self._moved_from = None
@@ -189,4 +191,4 @@ class AtDock:
         p = c.parameters
         off = abs(error[2]) > p.release_heading if turning else abs(error[0]) > p.release_position
         must = bool(off) and self._moves < _LEARNT
-        return FineMove(error, turning, drive, limits, period, before, roll=c.goal.roll, leave=leave, must=must)
+        return FineMove(error, turning, drive, limits, period, before, roll=self._rolls, leave=leave, must=must)
