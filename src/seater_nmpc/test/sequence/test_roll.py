@@ -53,6 +53,13 @@ def test_stops_are_averaged_and_one_that_shows_nothing_halves_it() -> None:
     assert Roll(0.02, 1.2).after(Roll()) == Roll(0.01, 1.2)
 
 
+def test_a_stop_in_which_motors_run_on_until_the_brakes_hold_says_nothing() -> None:
+    late = RollWatch(DEMAND_ENDS, DEMAND_ENDS + 1.3)
+    late.see(12.0, [0.0, 0.0, 0.0])
+    assert late.seen == Roll() and not late.would_show(Roll(0.02, 1.1))
+    assert late.would_show(Roll()) and late.would_show(Roll(0.02, 1.5))
+
+
 class Slope:
     """Rolls with these speeds [m/s, rad/s] while its brakes are open: until 1.3 s after the last command."""
 

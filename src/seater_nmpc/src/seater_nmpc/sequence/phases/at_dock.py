@@ -136,7 +136,7 @@ class AtDock:
             off = x - goal.expected_rest
             goal.overshoot = off if abs(off) > _OVERSHOT else 0.0
         goal.expected_rest = None
-        if self._begun_by in (Phase.FINAL, Phase.CORRECTING):
+        if self._begun_by in (Phase.FINAL, Phase.CORRECTING) and roll.would_show(self._rolls):
             self._rolls = self._rolls.after(roll.seen)
 
     def _needs_move(self) -> bool:

@@ -96,6 +96,10 @@ class RollWatch:
         """Whether they had to stand by the last cycle."""
         return self._from is not None
 
+    def would_show(self, known: Roll) -> bool:
+        """Whether what is known would have shown: not where brakes held before the motors had to stand."""
+        return not known.seen or self.seen.seen or self._motors_stand - self._demand_ends < known.hold
+
     @property
     def seen(self) -> Roll:
         """Of a chair that stands by now. A steady roll has done half of its way in half of its time, whatever comes
