@@ -196,3 +196,27 @@ def test_a_way_that_obstacles_leave_clear_is_kept_without_a_search(monkeypatch) 
     monkeypatch.undo()
     navigator.see([BOX + guide.rest()[3, :2] - BOX.mean(axis=0)])
     assert navigator._guide is None
+
+
+def test_a_chair_that_got_stuck_at_the_bays_corner_leaves_it_and_comes_straight() -> None:
+    """It went back to the same corner three times: the quickest way from where it had backed off to begins with a leg
+    close past it."""
+    roomy, stuck, backed_off = (
+        Planner(CHAIR, DOCK, PARAMETERS, CONTROL.margin, FIELD, room=0.6),
+        np.array([-0.83, -0.84, 0.77]),
+        np.array([-1.2, -1.2, 0.77]),
+    )
+    for pose in (stuck, backed_off):
+        path = roomy.path(pose)
+        assert path is not None and np.any(path.backward)
+        near = path.poses[:, 0] > -1.3
+        assert not np.any(near[np.argmin(path.poses[:, 0]) :])  # once out of there, it keeps out
+        assert np.count_nonzero(near) <= 4
+    navigator = Navigator(CHAIR, DOCK, CONTROL)
+    usual = navigator.target(backed_off)
+    navigator.give_room()
+    changed = navigator.target(backed_off)
+    navigator.as_usual()
+    navigator.restart()
+    assert usual is not None and changed is not None and np.hypot(*(usual - changed)[:2]) > 0.3
+    assert navigator.target(backed_off) == pytest.approx(usual)

@@ -73,3 +73,15 @@ def test_slow_cycles_drive_slower_and_say_why(controller) -> None:
     assert controller.pace.why == "odometry comes only every 0.20 s"
     _, commands = drive(controller, (-3.5, 0.0, 0.0), [0.05] * 60)
     assert max(command.v for command in commands) > 0.5 and controller.pace.why == ""
+
+
+def test_small_moves_between_pauses_reckon_with_slow_cycles(controller) -> None:
+    """As at the dock: a small move of few cycles, a pause for images, the next move."""
+    drive(controller, (-0.5, 0.0, 0.0), [0.1] * 5)
+    now = 0.5
+    for cycles in (2, 1, 3):
+        now += 2.2
+        for _ in range(cycles):
+            controller.move(now, (0.0, 0.0), 0.05, 0.0)
+            now += 0.1
+        assert controller.period == pytest.approx(0.1)

@@ -7,7 +7,7 @@ from seater_common.se2 import compose, inverse
 from seater_nmpc.observe.measurement import Measurement
 from seater_nmpc.observe.odometry import NO_TRAVEL, Instant
 from seater_nmpc.parameters import SequenceParameters
-from seater_nmpc.sequence.rest.correction import Verdict, judge, standing_dock
+from seater_nmpc.sequence.rest.correction import Verdict, judge, standing_dock, surely
 
 P = SequenceParameters(
     hold_position=0.003, hold_heading=0.006, release_position=0.008, release_heading=0.014, max_moves=3
@@ -51,3 +51,32 @@ def test_the_dock_is_the_mean_of_images_as_seen_from_the_standing_chair() -> Non
     assert standing_dock(fresh) == pytest.approx(T_base_dock, abs=8e-4)
     one = fresh[0]
     assert standing_dock([one]) == pytest.approx(compose(inverse(one[0].pose), one[1].pose))
+
+
+def test_what_is_beyond_doubt_is_less_than_the_error() -> None:
+    """By three standard deviations, and by a millimetre at least."""
+    error = np.array([-0.006, 0.0005, 0.012])
+    left = surely(error, np.diag([0.001, 0.0001, 0.0005]) ** 2)
+    assert left == pytest.approx([-0.003, 0.0, 0.01])
+
+
+@pytest.mark.parametrize(("bias", "moves"), [(0.0065, 1), (0.002, 0)])
+def test_an_offset_that_only_verification_shows_is_mended(make_world, bias: float, moves: int) -> None:
+    """The images before it show the chair too far ahead: 6.5 mm are worth a small move, 2 mm are not."""
+
+    def shows(world, found):
+        if world.phases[-1:] != ["VERIFY"]:
+            for each in found:
+                each.T_optical_dock[2, 3] -= bias
+        return found
+
+    world = make_world((-0.3, 0.0, 0.0), shows=shows)
+    world.tick()
+    world.sequence.start_dock(world.now)
+    world.run(60.0, until=lambda step: step.phase.name == "VERIFY")
+    before = world.phases.count("CORRECTING")
+    world.shows = lambda world, found: found
+    step = world.run(60.0)
+    assert step.result is not None and step.result.success
+    assert world.phases.count("CORRECTING") - before == moves, world.truth
+    assert abs(world.truth[0]) < 0.004

@@ -6,6 +6,7 @@ import pytest
 from seater_common.geometry import Chair
 from seater_nmpc.drive.axis import AxisDrive, ChairDrive
 from seater_nmpc.sequence.rest.fine_move import FineMove
+from seater_nmpc.sequence.rest.roll import Roll
 
 LIMITS, PERIOD = Chair().limits, 0.05
 LAG, STEPS = 0.2, 20
@@ -143,26 +144,37 @@ def test_a_chair_that_nothing_moves_is_not_pushed_for_long() -> None:
         assert done == 0.0 and max(asked, default=0.0) <= 0.08 and len(asked) * PERIOD <= 0.6 + 1e-9
 
 
-@pytest.mark.parametrize(("begin", "rolls"), [(0.03, 0.015), (0.03, 0.02), (-0.02, -0.012)])
-def test_a_chair_that_rolls_on_after_each_push_gets_there(begin: float, rolls: float) -> None:
-    """On a slope, until its brakes hold; the last stop has shown it. Towards the dock no push is faster for that."""
+@pytest.mark.parametrize(("begin", "rolls"), [(0.03, 0.015), (0.03, 0.02), (-0.02, -0.012), (-0.012, -0.014)])
+def test_a_chair_that_rolls_while_its_brakes_are_open_gets_there(begin: float, rolls: float) -> None:
+    """On a slope, `rolls` after each push and as fast during it; the last stop has shown it. Towards the dock no push
+    is faster for that."""
+    roll = Roll(rolls / 1.3, 1.3)
     x, before, deadband = begin, None, AxisDrive(1.0, 0.02, True)
-    for _ in range(4):
-        before = FineMove(np.array([x, 0.0, 0.0]), False, chair(deadband), LIMITS, PERIOD, before, rolls=rolls)
+    for _ in range(3):
+        before = FineMove(np.array([x, 0.0, 0.0]), False, chair(deadband), LIMITS, PERIOD, before, roll=roll, must=True)
         done, asked = carry_out(before, deadband, resistance=0.004)
         assert max(map(abs, asked)) <= (0.15 if begin > 0.0 else 0.08) + 1e-9
-        x += done + rolls
+        x += done + roll.way(len(asked) * PERIOD)
         if abs(x) < 0.008:
             break
     assert abs(x) < 0.008
 
 
-def test_a_chair_that_does_not_roll_though_its_last_stop_ended_too_far_is_not_pushed_far_beyond() -> None:
+def test_with_the_chair_known_but_for_its_roll_one_push_is_enough() -> None:
+    """What it rolls during the push is reckoned with: a third of the way here."""
+    roll = Roll(0.02, 0.6)
+    move = FineMove(np.array([0.012, 0.0, 0.0]), False, chair(AxisDrive()), LIMITS, PERIOD, roll=roll)
+    done, asked = carry_out(move, AxisDrive())
+    assert abs(0.012 + done + roll.way(len(asked) * PERIOD)) < 0.004
+
+
+def test_a_chair_that_does_not_roll_though_a_stop_seemed_to_show_it_is_not_pushed_far_beyond() -> None:
     x, before = 0.02, None
-    for _ in range(3):
-        before = FineMove(np.array([x, 0.0, 0.0]), False, chair(AxisDrive()), LIMITS, PERIOD, before, rolls=0.02)
+    for _ in range(4):
+        roll = Roll(0.02, 1.0) if before is None else Roll(0.01, 1.0).after(Roll())
+        before = FineMove(np.array([x, 0.0, 0.0]), False, chair(AxisDrive()), LIMITS, PERIOD, before, roll=roll)
         x += carry_out(before, AxisDrive())[0]
-        assert x > -0.02
-        if abs(x) < 0.004:
+        assert x > -0.03
+        if abs(x) < 0.006:
             break
-    assert abs(x) < 0.004
+    assert abs(x) < 0.006

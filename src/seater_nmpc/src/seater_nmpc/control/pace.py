@@ -21,7 +21,7 @@ class Pace:
         """`limits`: the chair's own; `control_period` [s]: as configured."""
         self._limits, self._configured = limits, control_period
         self.period = control_period  # [s] measured between cycles, at least the configured one
-        self._elapsed: deque[float] = deque([0.0], maxlen=_CYCLES)
+        self._elapsed: deque[float] = deque(maxlen=_CYCLES)
         self.limit()
         self.cap()
         self.restart()
@@ -35,13 +35,18 @@ class Pace:
         self._cap = (max(0.0, v), max(0.0, omega))
 
     def restart(self) -> None:
-        """The next cycle is the first."""
+        """The next cycle is the first; its period is the configured one, until several were longer."""
         self._last_stamp = -math.inf
+        self._elapsed.append(0.0)
 
     def cycle(self, stamp: float) -> None:
-        """A cycle, at this time [s]; only several in a row that were longer than configured make the period longer."""
+        """A cycle, at this time [s]; only several in a row that were longer than configured make the period longer.
+
+        Pauses do not count: a small move after one is planned for cycles that are as slow as those before.
+        """
         elapsed, self._last_stamp = stamp - self._last_stamp, stamp
-        self._elapsed.append(elapsed if 0.0 < elapsed <= LONGEST_PERIOD else 0.0)
+        if 0.0 < elapsed <= LONGEST_PERIOD:
+            self._elapsed.append(elapsed)
         usual = min(self._elapsed)
         self.period = usual if usual > _NOISE_OF_STAMPS * self._configured else self._configured
 

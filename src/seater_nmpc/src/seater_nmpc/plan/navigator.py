@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 
 _LOOKAHEADS = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)  # fractions of `lookahead` that are tried, the farthest first
 _VIEW_RESERVE = 0.08  # [rad] inside the view that the controller keeps: the chair strays from the path by as much
+_ROOM = 0.6  # [m] farther ahead of the bay than usual, where the chair got stuck at its corner
 _LANE_STEPS = 12  # poses between the chair and the bay at which the straight way is looked at
 
 
@@ -38,6 +39,8 @@ class Navigator:
         self._dock, self._parameters = dock, parameters or PlannerParameters()
         field = kept_field(camera, control.view_half_angle).narrowed(_VIEW_RESERVE)
         self._planner = Planner(chair, dock, self._parameters, control.margin, field)
+        self._roomy: Planner | None = None  # made when it is needed
+        self._make_roomy = lambda: Planner(chair, dock, self._parameters, control.margin, field, room=_ROOM)
         self._gate_x = final_straight_x(chair, dock)
         self._guide: Guide | None = None
         self._tried = False
@@ -50,12 +53,26 @@ class Navigator:
         """Forget the plan, as at the beginning of an approach."""
         self._guide, self._tried = None, False
 
+    def give_room(self) -> None:
+        """Plan ways that leave the surroundings of the bay's corners and come straight from farther ahead, where there
+        are such: the chair got stuck. For a standing chair, as it takes as long as a search."""
+        if self._roomy is None:
+            self._roomy = self._make_roomy()
+            self._roomy.set_obstacles(self._planner.obstacles)
+            self._roomy.prepare()
+        self.restart()
+
+    def as_usual(self) -> None:
+        """Plan the quickest ways again."""
+        self._roomy = None
+
     def see(self, obstacles: list[Array]) -> None:
         """The obstacles of this cycle, convex polygons (n, 2). When they moved onto the way, the next target comes from
         a new plan; while the way is clear of them it is kept, as a search takes several control cycles."""
         if not _moved(self._planner.obstacles, obstacles, self._parameters.obstacle_shift):
             return
-        self._planner.set_obstacles(obstacles)
+        for planner in (self._planner, *([self._roomy] if self._roomy is not None else [])):
+            planner.set_obstacles(obstacles)
         if self._guide is None or not self._planner.clear_of_obstacles(self._guide.rest()):
             self.restart()
 
@@ -64,7 +81,8 @@ class Navigator:
         if self._guide is not None and self._guide.away(pose) > self._parameters.replan_distance:
             self.restart()
         if not self._tried:
-            path, self._tried = self._planner.path(pose), True
+            path, self._tried = None if self._roomy is None else self._roomy.path(pose), True
+            path = self._planner.path(pose) if path is None else path
             self._guide = None if path is None else Guide(path, self._parameters)
         if self._guide is None:
             return None

@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
+_NEAR_FACTOR = 10.0  # of a second near the bay's corners, where the path is to give room
+
+
 @dataclass(frozen=True)
 class Path:
     """A way to the corridor, in the dock's frame."""
@@ -41,21 +44,31 @@ class Planner:
     """Plans in the dock's frame. What costs time is done in the first call of `path` after obstacles changed."""
 
     def __init__(
-        self, chair: Chair, dock: Dock, parameters: PlannerParameters, margin: float, field: FieldOfView
+        self,
+        chair: Chair,
+        dock: Dock,
+        parameters: PlannerParameters,
+        margin: float,
+        field: FieldOfView,
+        *,
+        room: float = 0.0,
     ) -> None:
-        """`margin` [m] and `field` (where in the image the markers are to be kept): the controller's."""
+        """`margin` [m] and `field` (where in the image the markers are to be kept): the controller's. `room` [m]: how
+        much farther ahead of the bay than it must the path joins the dock's axis; it gets out of what is nearer."""
         self._chair, self._dock, self._parameters = chair, dock, parameters
         self._free = FreeSpace(chair, margin + parameters.extra_margin)
         self._lattice = Lattice(chair, parameters)
         self._poses = self._lattice.poses()
         self._walls = dock.bay.outlines()
-        self._x_last = final_straight_x(chair, dock)
+        self._x_last = final_straight_x(chair, dock) - room
         self._motions = [(motion, *self._lattice.edges(motion)) for motion in self._lattice.motions]
         self._obstacles: list[Array] = []
         self._to_go: Array | None = None
         self._open = True
         in_sight = np.any(Sight(chair.camera, dock, field).seen(self._poses), axis=1)
         self._factor = np.where(in_sight, 1.0, parameters.blind_factor)
+        if room > 0.0:
+            self._factor[self._poses[:, 0] > self._x_last] *= _NEAR_FACTOR
         self.reason = ""  # why the last `path` found none; empty when it found one
         self._next: Indices = np.zeros(0, dtype=np.intp)
 

@@ -35,7 +35,6 @@ class Progress:
         self.no_way = ""  # why there is no way into the bay
         self.expected_rest: float | None = None  # [m] ahead of the dock, where a stop was to end
         self.overshoot = 0.0  # [m] beyond where its last stop at the dock was to end
-        self.rolls = 0.0  # [m] that, where it went on by itself after its motors had to stand: on a slope
 
     def enter(self, phase: Phase) -> None:
         """A phase begins."""

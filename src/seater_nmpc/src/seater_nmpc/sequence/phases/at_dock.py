@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -15,18 +14,19 @@ from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import STANDING, Asked, Context
 from seater_nmpc.sequence.rest.after_effects import AfterEffects
 from seater_nmpc.sequence.rest.correction import Verdict as Correction
-from seater_nmpc.sequence.rest.correction import is_off, judge, standing_dock
+from seater_nmpc.sequence.rest.correction import is_off, judge, standing_dock, surely
 from seater_nmpc.sequence.rest.fine_move import FineMove
+from seater_nmpc.sequence.rest.roll import Roll, RollWatch
 from seater_nmpc.sequence.rest.verification import Verdict, Verification, within
 
 Array = NDArray[np.float64]
 
 _UNSEEN_IMAGES = 6  # times between two images
 _OVERSHOT = 0.008  # [m] beside where a stop was to end, from which on the next one allows for it
-_WENT_ON = 0.003  # [m] after its motors had to stand: it rolls
 _LAGS, _DOUBT = 2.5, 0.2  # times the lag, and [s], after the delay, until the motors have to stand
 _LONGEST_LAG = 0.4  # [s] that is waited for
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
+_LEARNT = 4  # moves after which what the chair makes of them should be known
 _OPENED = 0.5  # [s] without contact: no mere bounce of it
 _VERDICTS = {
     Verdict.DOCKED: ResultCode.SUCCESS,
@@ -39,13 +39,16 @@ class AtDock:
 
     def __init__(self, context: Context) -> None:
         self._context = context
+        self._phase, self._rolls = context.goal.phase, Roll()
         self.restart(context.goal.phase)
 
     def restart(self, phase: Phase) -> None:
         """This phase begins; moves are counted, and learned from, until the chair leaves the dock."""
         self._verification: Verification | None = None
-        self._motors_stand: Array | None = None  # pose in odom, in STOPPING
-        self._stand_from = math.inf  # time at which the motors stand [s]
+        self._begun_by, self._phase = self._phase, phase
+        self._roll: RollWatch | None = None  # in STOPPING
+        if phase is Phase.WAITING_FOR_DOCK:  # it may be another floor
+            self._rolls = Roll()
         self._closed = self._context.goal.now  # the contact, when it was so last
         if phase not in (Phase.STOPPING, Phase.CORRECTING, Phase.VERIFY):
             self._moves = 0
@@ -57,17 +60,17 @@ class AtDock:
         """STOPPING: stand until enough images were taken at rest, then decide what is to be done."""
         c, p = self._context, self._context.parameters
         c.look(chair)
-        self._watch_roll(chair)
+        roll = self._watch_roll(chair)
         # Before the motors stand, one that they hold against its roll only seems to.
-        if not c.standstill.has_stood(chair.stamp, c.measured(chair)) or self._motors_stand is None:
+        if not c.standstill.has_stood(chair.stamp, c.measured(chair)) or not roll.motors_stand:
             return STANDING
-        since = max(c.standstill.since, self._stand_from)
+        since = max(c.standstill.since, roll.since)
         fresh = c.observer.measurements_since(since)
         if len(fresh) < p.move_measurements:
             late = chair.stamp - since > max(_UNSEEN, _UNSEEN_IMAGES * c.observer.images.period)
             return Phase.VERIFY if late else STANDING
         c.goal.error = inverse(standing_dock(fresh))
-        self._learn_roll(chair, float(c.goal.error[0]))
+        self._learn_roll(roll, float(c.goal.error[0]))
         return self._decide(c.goal.error)
 
     def correct(self, chair: Instant) -> Asked:
@@ -84,12 +87,15 @@ class AtDock:
         c.look(chair)
         if self._verification is None:
             self._verification = Verification(c.dock, c.parameters, c.require_contact, chair.stamp)
+        unknown = self._verification.error is None
         v, verdict = self._verification.update(chair.stamp, chair, c.observer, c.goal.contact)
         creeps = not c.standstill.stands(chair.stamp, c.measured(chair)) and not self._verification.nudged
         if creeps or verdict is Verdict.MOVED:
             return Phase.STOPPING  # what the images said so far is of another place
         if self._verification.error is not None:
             c.goal.error, c.goal.covariance = self._verification.error, self._verification.covariance
+            if unknown and self._needs_move():
+                return Phase.CORRECTING
         if verdict is Verdict.PENDING:
             return Command(v=v, omega=0.0)
         if verdict is Verdict.DOCKED and c.goal.contact and c.parameters.charge_watch > 0.0:
@@ -114,27 +120,36 @@ class AtDock:
             raise GoalEnd(ResultCode.SUCCESS, Verdict.DOCKED.value)
         return replace(STANDING, text="docked, watches the contact")
 
-    def _watch_roll(self, chair: Instant) -> None:
-        """Note where the chair is when its motors have to stand."""
-        if self._motors_stand is None:
-            drive = self._context.controller.history
-            lag = min(drive.drive.lag_v, _LONGEST_LAG)
-            self._stand_from = self._context.goal.deadlines.entered + drive.delay + _LAGS * lag + _DOUBT
-            if chair.stamp >= self._stand_from:
-                self._motors_stand = chair.pose
+    def _watch_roll(self, chair: Instant) -> RollWatch:
+        if self._roll is None:
+            history = self._context.controller.history
+            demand_ends = self._context.goal.deadlines.entered + history.delay
+            self._roll = RollWatch(demand_ends, demand_ends + _LAGS * min(history.drive.lag_v, _LONGEST_LAG) + _DOUBT)
+        self._roll.see(chair.stamp, chair.pose)
+        return self._roll
 
-    def _learn_roll(self, chair: Instant, x: float) -> None:
-        """From where the chair stands, `x` [m] in the dock's frame, after a stop that was to end elsewhere.
-
-        A stop that was timed badly ends elsewhere, too; what rolls goes on after the motors had to stand.
-        """
-        goal, stood = self._context.goal, self._motors_stand
+    def _learn_roll(self, roll: RollWatch, x: float) -> None:
+        """Where the chair stands, `x` [m] in the dock's frame, after a stop that was to end elsewhere, and how it came
+        there: a stop that was timed badly ends elsewhere, too."""
+        goal = self._context.goal
         if goal.expected_rest is not None:
             off = x - goal.expected_rest
             goal.overshoot = off if abs(off) > _OVERSHOT else 0.0
-            went_on = stood is not None and math.dist(chair.pose[:2], stood[:2]) > _WENT_ON
-            goal.rolls = off if went_on and abs(off) > _WENT_ON else 0.0
         goal.expected_rest = None
+        if self._begun_by in (Phase.FINAL, Phase.CORRECTING) and roll.would_show(self._rolls):
+            self._rolls = self._rolls.after(roll.seen)
+
+    def _needs_move(self) -> bool:
+        """Whether verification shows, beyond doubt, what the few images before it did not."""
+        moves, goal = (Correction.TURN, Correction.MOVE), self._context.goal
+        error, covariance = goal.error, goal.covariance
+        assert error is not None and covariance is not None  # verification has them
+        if judge(surely(error, covariance), self._moves, self._context.parameters) not in moves:
+            return False
+        if self._choose(error) not in moves:
+            return False
+        self._moves, self._moved_from = self._moves + 1, error
+        return True
 
     def _decide(self, error: Array) -> Phase:
         c, verdict = self._context, self._choose(error)
@@ -142,13 +157,14 @@ class AtDock:
         if verdict is Correction.STAY or (verdict is Correction.AGAIN and last and within(error, c.dock.tolerance)):
             return Phase.VERIFY
         if verdict is Correction.AGAIN:
-            return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock")
+            return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock" + self._rolls.in_words)
         self._moves, self._moved_from = self._moves + 1, error
         return Phase.CORRECTING
 
     def _choose(self, error: Array) -> Correction:
         """What is to be done; `_fine_move` is the move, if one is."""
         p, before, effects = self._context.parameters, self._fine_move, self._after_effects
+        effects.roll = self._rolls
         if before is not None and self._moved_from is not None:
             effects.learn(before.turning, self._moved_from, error)
             self._moved_from = None
@@ -169,7 +185,10 @@ class AtDock:
 
     def _move(self, error: Array, turning: bool, before: FineMove | None) -> FineMove:
         """A turn leaves what the push after it will turn."""
-        c, after = self._context, float(error[0]) + (self._after_effects.way_per_turn or 0.0)
+        c, after = self._context, float(error[0]) + self._after_effects.way_per_turn
         leave = -self._after_effects.turn_of_push(after) if turning and is_off(after, c.parameters) else 0.0
         drive, limits, period = c.controller.history.drive, c.chair.limits, c.controller.period
-        return FineMove(error, turning, drive, limits, period, before, rolls=c.goal.rolls, leave=leave)
+        p = c.parameters
+        off = abs(error[2]) > p.release_heading if turning else abs(error[0]) > p.release_position
+        must = bool(off) and self._moves < _LEARNT
+        return FineMove(error, turning, drive, limits, period, before, roll=self._rolls, leave=leave, must=must)

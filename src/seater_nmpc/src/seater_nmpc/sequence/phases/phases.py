@@ -71,6 +71,7 @@ class Phases:
 
     def command(self, chair: Instant) -> Command:
         """What the present phase asks for. Raises GoalEnd."""
+        self._context.controller.pace.cycle(chair.stamp)  # of all phases: a small move rests on it
         asked = self._caution.wait(chair)
         if asked is None:
             self._caution.limit_speed(self.backs_out)

@@ -36,6 +36,8 @@ class WayIn:
         self._back_off_until = 0.0
         self._context.stand_patiently()
         self._context.navigator.restart()
+        if self._context.goal.phase is not Phase.APPROACH:
+            self._context.navigator.as_usual()
 
     @property
     def backs_off(self) -> bool:
@@ -91,12 +93,13 @@ class WayIn:
 
     def _away_from_where_it_is_stuck(self, chair: Instant, error: Array) -> Command | None:
         """Where the optimisation sees no way on from (a corner of a wall close ahead), the chair backs off and plans
-        anew; None: it is not stuck, or has backed off."""
+        anew with more room; None: it is not stuck, or has backed off."""
         c = self._context
         stalled = c.standstill.stalled(chair.stamp, c.measured(chair))
         if self._back_off is None and (c.standstill.stuck(chair.stamp, error) or stalled):
             self._back_off = compose(error, [-_BACK_OFF, 0.0, 0.0])
             self._back_off_until = chair.stamp + _BACK_OFF_TIME
+            c.navigator.give_room()
         if self._back_off is None:
             return None
         far = math.dist(error[:2], self._back_off[:2]) > c.parameters.predock_position

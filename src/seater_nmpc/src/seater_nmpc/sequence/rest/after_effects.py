@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.se2 import wrap_angle
+from seater_nmpc.sequence.rest.roll import Roll
 
 Array = NDArray[np.float64]
 
 _SHORTEST = 0.002  # [m] of a push, from which its turn per metre is learned
 _MOST = (3.0, 0.03)  # [rad/m, m] that is believed
+_PUSHED = 0.3  # [s] about
 _NEWEST = 0.5  # weight of the newest move
 
 
@@ -24,23 +26,29 @@ class AfterEffects:
 
     def __init__(self) -> None:
         self.turn_per_way: float | None = None  # [rad/m] of a push
-        self.way_per_turn: float | None = None  # [m] of a turn on the spot
+        self.roll = Roll()  # as stops have shown
+        self._way_per_turn: float | None = None  # [m] of a turn on the spot
 
     def learn(self, turning: bool, before: Array, after: Array) -> None:
-        """A move has brought the chair from one error to the other."""
+        """A move has brought the chair from one error to the other; it has rolled meanwhile."""
         way, turn = float(after[0] - before[0]), wrap_angle(float(after[2] - before[2]))
         if turning:
-            self.way_per_turn = _mean(self.way_per_turn, way, _MOST[1])
+            self._way_per_turn = _mean(self._way_per_turn, way, _MOST[1])
         elif abs(way) >= _SHORTEST:
-            self.turn_per_way = _mean(self.turn_per_way, turn / way, _MOST[0])
+            self.turn_per_way = _mean(self.turn_per_way, (turn - self.roll.turn(_PUSHED)) / way, _MOST[0])
+
+    @property
+    def way_per_turn(self) -> float:
+        """[m] that a turn on the spot shifts the chair along the dock's axis."""
+        return self.roll.way(_PUSHED) if self._way_per_turn is None else self._way_per_turn
 
     def shifts(self, most: float) -> bool:
         """Whether a turn on the spot shifts the chair along the dock's axis by more than that [m]."""
-        return abs(self.way_per_turn or 0.0) > most
+        return abs(self.way_per_turn) > most
 
     def turn_of_push(self, x: float) -> float:
         """[rad] that the chair will turn as it is driven from `x` [m] to the dock."""
-        return -x * (self.turn_per_way or 0.0)
+        return -x * (self.turn_per_way or 0.0) + self.roll.turn(_PUSHED)
 
 
 def _mean(before: float | None, newest: float, most: float) -> float:

@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 Fresh = list[tuple[Instant, Measurement]]
 
 _BEYOND = 0.5  # of `release_position`, from which on it is driven back; a few millimetres turn no castor round
+_DOUBT = 3.0  # standard deviations
+_LEAST_DOUBT = np.array([0.001, 0.001, 0.002])  # [m, m, rad]: less is not worth another move
 _LARGEST_TURN = 0.12  # [rad] beyond that a turn on the spot may bring a corner to a wall
 
 
@@ -42,6 +44,12 @@ def standing_measurement(fresh: Fresh) -> Measurement:
 def is_off(x: float, parameters: SequenceParameters) -> bool:
     """Whether a chair at `x` [m] of the dock's axis is worth a push; back only for more, as that is a reversal."""
     return x < -parameters.hold_position or x > _BEYOND * parameters.release_position
+
+
+def surely(error: Array, covariance: Array) -> Array:
+    """What of the error (3,) is beyond doubt, given its covariance (3, 3); zero where that is nothing."""
+    doubt = np.maximum(_DOUBT * np.sqrt(np.diag(covariance)), _LEAST_DOUBT)
+    return np.asarray(np.sign(error) * np.maximum(np.abs(error) - doubt, 0.0))
 
 
 def judge(error: Array, moves: int, parameters: SequenceParameters, *, turn: bool = True, move: bool = True) -> Verdict:

@@ -14,12 +14,15 @@ from numpy.typing import NDArray
 from seater_common.geometry import Limits
 from seater_nmpc.drive.axis import ChairDrive
 from seater_nmpc.sequence.rest.move_response import MoveResponse
+from seater_nmpc.sequence.rest.roll import Roll
 
 Array = NDArray[np.float64]
 
 _LONGEST = 0.6  # [s]
 _FASTEST = (0.08, 0.35)  # [m/s, rad/s]
 _TINY = 1e-6  # [m/s or rad/s]: the smallest command
+_PUSHED = 0.2  # [s] that a turn takes, about
+_MUST = 2.0  # times what not moving leaves: a push that fails teaches, and costs less than another attempt
 _LEVELS = 24  # commands that are compared
 
 Learned = dict[tuple[bool, bool], MoveResponse]  # by (turning, error was positive)
@@ -37,28 +40,31 @@ class FineMove:
         period: float,
         before: FineMove | None = None,
         *,
-        rolls: float = 0.0,
+        roll: Roll | None = None,
         leave: float = 0.0,
+        must: bool = False,
     ) -> None:
         """`error`: of the standing chair; `period` of the cycles [s]. `before`: the last move of this attempt, from
-        whose result it learns. `rolls` [m]: how far it went on by itself after its last stop. `leave` [m or rad]: the
-        error that is to be left, as what follows will mend it."""
+        whose result it learns. `roll`: as its stops have shown. `leave` [m or rad]: the error that is to be left, as
+        what follows will mend it. `must`: it cannot stay there, and another attempt is the alternative."""
         self.turning, self._index = turning, 2 if turning else 0
         self._axis, self._rate = (drive.omega, limits.alpha_max) if turning else (drive.v, limits.a_max)
         self._most = limits.omega_max if turning else limits.v_bay_max  # that is sent at the dock
         lag = drive.lag_omega if turning else drive.lag_v
         self._begin = float(error[self._index])
-        self._wanted = self._begin - leave
+        roll = roll or Roll()
+        self._drift = roll.turn(_PUSHED) if turning else 0.0  # [rad] by itself meanwhile
+        self._wanted = self._begin + self._drift - leave
         self._learned: Learned = {} if before is None else before._learned_after(error)
         key = (turning, self._wanted > 0.0)
         if key not in self._learned:
             other = self._learned.get((turning, not key[1]))
-            way = -math.copysign(1.0, self._wanted)  # that it is pushed
-            self._learned[key] = MoveResponse(turning, self._axis, lag, other, rolls=way * rolls)
+            self._learned[key] = MoveResponse(turning, self._axis, lag, other)
         self._response = self._learned[key]
-        self._period = period
+        self._response.saw(roll, -math.copysign(1.0, self._wanted))
+        self._period, self._worth = period, _MUST if must else 1.0
         self._plan = self._best()  # commands of all cycles
-        self._cycle = 0
+        self._cycle, self._shown = 0, False
 
     @property
     def resistance(self) -> float:
@@ -93,13 +99,17 @@ class FineMove:
         pushes = pushes.reshape(-1, most)
         losses = self._response.losses(pushes, self._period, abs(self._wanted))
         best = pushes[np.argmin(losses)]
-        return best[best > 0.0] if losses.min() < self._wanted**2 else np.zeros(0)
+        return best[best > 0.0] if losses.min() < self._worth * self._wanted**2 else np.zeros(0)
 
     def _learned_after(self, error: Array) -> Learned:
         """What is known, given where the chair stands after this move."""
         left = float(error[self._index])
+        if self._shown:
+            return self._learned
+        self._shown = True
         if self.is_worthwhile:
-            self._response.learn(self._plan, self._period, math.copysign(1.0, self._wanted) * (self._begin - left))
+            moved = self._begin + self._drift - left
+            self._response.learn(self._plan, self._period, math.copysign(1.0, self._wanted) * moved)
         for key, response in self._learned.items():
             if key != (self.turning, self._wanted > 0.0):
                 response.forget()
