@@ -8,13 +8,14 @@ namespace seater_perception {
 namespace {
 
 // Half a pixel inside a blurred step (sd 0.8 px), a 5 px window's mean is 0.16 of the step lighter; half of that is
-// asked for. Chosen with drawn grey prints (docs/results/beyond_simulation.md, Faint prints): 0.06 to 0.1 find as many.
+// asked for. Chosen with drawn grey prints (docs/results/beyond_simulation.md, Another maker's cameras); with 0.12 a
+// sixth of them is lost.
 constexpr double kPartOfStep = 0.08;
 constexpr double kLeastConstant = 3.0;  // [grey levels] as much as noise of sd 1 reaches
 // Noise of sd 5 on flat paper differs by as much within the window. Chosen by hand; with 20 none more is found.
-constexpr double kFlat = 25.0;    // [grey levels]
-constexpr int kStepWindow = 7;    // [px] holds both sides of a blurred step
-constexpr int kStrip = 64;        // [rows]
+constexpr double kFlat = 25.0;  // [grey levels]
+constexpr int kStepWindow = 7;  // [px] holds both sides of a blurred step
+constexpr int kStrip = 64;      // [rows]
 
 cv::Mat tableOfLimits(double constant) {
   cv::Mat table(1, 256, CV_8U);
