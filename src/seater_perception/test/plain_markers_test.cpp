@@ -5,6 +5,7 @@
 #include "pose/marker_pose.h"
 #include "scene.h"
 #include "search/code/template_book.h"
+#include "search/outline/dark_pixels.h"
 #include "search/outline/outline_hull.h"
 #include "search/outline/quad_search.h"
 
@@ -109,6 +110,35 @@ TEST(QuadSearch, seesTheOutlinesOfWhatIsDark) {
   const std::vector<Quad> rest = findQuads(image, search, {inner});
   ASSERT_EQ(rest.size(), 1U);
   EXPECT_NEAR(meanSide(rest[0]), 160.0, 2.5);
+}
+
+cv::Mat adaptiveThreshold(const cv::Mat& image, int window, double constant) {
+  cv::Mat dark;
+  cv::adaptiveThreshold(image, dark, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY_INV, window, constant);
+  return dark;
+}
+
+TEST(DarkPixels, areThoseOfTheAdaptiveThreshold) {
+  cv::Mat image(150, 201, CV_8U);
+  cv::RNG(3).fill(image, cv::RNG::NORMAL, 120.0, 25.0);
+  DarkPixels what{5, 7.0, false, false};
+  EXPECT_EQ(cv::countNonZero(darkPixels(image, what) != adaptiveThreshold(image, 5, 7.0)), 0);
+  what.window = 25, what.constant = 4.0;
+  EXPECT_EQ(cv::countNonZero(darkPixels(image, what) != adaptiveThreshold(image, 25, 4.0)), 0);
+}
+
+// A blurred step (sd 1 px) of 30: 1.5 px inside, pixels are 4.4 darker than the mean over 5 px.
+TEST(DarkPixels, areMoreWhereGreyLevelsDifferLittle) {
+  cv::Mat image(150, 200, CV_8U, cv::Scalar(100));
+  cv::rectangle(image, {60, 50, 40, 40}, cv::Scalar(70), cv::FILLED);
+  cv::GaussianBlur(image, image, {}, 1.0);
+  DarkPixels what{5, 7.0, false, false};
+  EXPECT_EQ(darkPixels(image, what).at<uchar>(70, 61), 0);
+  what.faint = true;
+  const cv::Mat dark = darkPixels(image, what);
+  EXPECT_EQ(dark.at<uchar>(70, 61), 255);
+  EXPECT_EQ(dark.at<uchar>(70, 80), 0);
+  EXPECT_EQ(dark.at<uchar>(70, 40), 0);
 }
 
 // Near the exactly frontal square, where a tilt is the square root of rounding errors (1e-8), OpenCV's solutions are

@@ -20,7 +20,10 @@ OutlineJudge::OutlineJudge(const MarkerFamily& family, const DetectorParameters&
 
 std::vector<JudgedOutline> OutlineJudge::judge(const cv::Mat& grey) const {
   checkImage(grey);
-  QuadSearch search{parameters_.search_window | 1, parameters_.search_constant, kShownSide * parameters_.min_side};
+  QuadSearch search;
+  search.window = parameters_.search_window | 1;
+  search.constant = parameters_.search_constant;
+  search.min_side = kShownSide * parameters_.min_side;
   std::vector<Quad> quads = findQuads(grey, search);
   search = closeSearch(parameters_);
   search.min_side *= kShownSide;

@@ -58,6 +58,7 @@ QuadSearch closeSearch(const DetectorParameters& parameters) {
   search.constant = std::max(kCloseConstant, parameters.search_constant);
   search.min_side = parameters.min_side;
   search.smooth = false;
+  search.faint = true;
   return search;
 }
 
@@ -93,8 +94,9 @@ std::vector<MarkerCorners> OwnSearch::find(const ImageLevels& image, const cv::R
   return markers;
 }
 
-/// Prints with little white round them before dark surroundings: there, smoothing and a wide window make one outline of
-/// both. `tried`: outlines that have been read.
+/// Prints with little white round them before dark surroundings, in part in a shadow, or on paper darker than the wall:
+/// there, smoothing and a wide window make one outline of the print and what lies round it. `tried`: outlines that have
+/// been read.
 void OwnSearch::addClose(const ImageLevels& image, const cv::Rect& region, const std::vector<Quad>& tried,
                          std::vector<MarkerCorners>& markers) const {
   const std::size_t before = markers.size();
@@ -105,8 +107,8 @@ void OwnSearch::addClose(const ImageLevels& image, const cv::Rect& region, const
     };
     const auto end = markers.begin() + static_cast<std::ptrdiff_t>(before);
     if (std::any_of(markers.begin(), end, within) || std::any_of(tried.begin(), tried.end(), same)) continue;
-    const auto decoded = decoder_.decode(image, quad, parameters_.min_evidence);
-    if (decoded && meanSide(decoded->corners) >= parameters_.min_side) markers.push_back(cornersOf(*decoded));
+    const auto marker = read(image, quad, false);
+    if (marker && marker->side() >= parameters_.min_side) markers.push_back(*marker);
   }
 }
 

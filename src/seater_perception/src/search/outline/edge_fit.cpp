@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <vector>
@@ -46,12 +47,12 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 struct Samples {
   std::vector<float> t, s, grey;  // t from -1 to 1 along the side, s [px] outwards
 
-  void clear() { t.clear(), s.clear(), grey.clear(); }
+  void resize(std::size_t count) { t.resize(count), s.resize(count), grey.resize(count); }
   std::size_t size() const { return t.size(); }
-  void add(double along, double outwards, double value) {
-    t.push_back(static_cast<float>(along));
-    s.push_back(static_cast<float>(outwards));
-    grey.push_back(static_cast<float>(value));
+  void set(std::size_t i, double along, double outwards, uchar value) {
+    t[i] = static_cast<float>(along);
+    s[i] = static_cast<float>(outwards);
+    grey[i] = static_cast<float>(value);
   }
 };
 
@@ -91,7 +92,7 @@ void cut(double a, double b, double low, double high, double& first, double& las
 
 /// All pixels of the band round the side as it is known now; false when the band leaves the image.
 bool collect(const cv::Mat& grey, const Side& side, double band, Samples& samples) {
-  samples.clear();
+  std::size_t count = 0;
   const double reach = 1.0 - std::min(kSkippedPart, kSkippedEnd / side.half);
   const Eigen::Vector2d a = side.point(-1.0), b = side.point(1.0);
   const double margin = band + std::abs(side.offset[2]) + 1.0, most = band + side.offset.cwiseAbs().sum();
@@ -106,16 +107,26 @@ bool collect(const cv::Mat& grey, const Side& side, double band, Samples& sample
     cut(dy * side.along.y() - side.middle.x() * side.along.x(), side.along.x(), -reach * side.half, reach * side.half,
         first, last);
     cut(dy * side.outward.y() - side.middle.x() * side.outward.x(), side.outward.x(), -most, most, first, last);
-    for (int x = static_cast<int>(std::ceil(first)); x <= last; ++x) {
+    const int x0 = static_cast<int>(std::ceil(first)), x1 = static_cast<int>(std::floor(last));
+    if (x1 < x0) continue;
+    // All of the row are written, and what does not count is written over: cheaper than to ask first.
+    const std::size_t most_here = count + static_cast<std::size_t>(x1 - x0) + 1;
+    if (samples.size() < most_here) samples.resize(2 * most_here);
+    const bool row_in = y >= 0 && y < grey.rows;
+    const uchar* row = grey.ptr<uchar>(std::clamp(y, 0, grey.rows - 1));
+    for (int x = x0; x <= x1; ++x) {
       const double dx = x - side.middle.x();
       const double t = (dx * side.along.x() + dy * side.along.y()) / side.half;
       const double s = dx * side.outward.x() + dy * side.outward.y();
-      if (std::abs(s - side.at(t)) > band) continue;
-      if (x < 0 || y < 0 || x >= grey.cols || y >= grey.rows) return false;
-      if (++number % stride == 0) samples.add(t, s, grey.ptr<uchar>(y)[x]);
+      const bool counts = !(std::abs(s - side.at(t)) > band), in = row_in && x >= 0 && x < grey.cols;
+      if (counts && !in) return false;
+      if (stride > 1 && counts && ++number % stride != 0) continue;
+      samples.set(count, t, s, in ? row[x] : 0);
+      count += counts ? 1 : 0;
     }
   }
-  return samples.size() >= 16;
+  samples.resize(count);
+  return count >= 16;
 }
 
 /// Parameters of the step: offset a, b, c; middle grey, half contrast, width.
@@ -123,11 +134,12 @@ using Step = Vector6d;
 
 /// From the samples' mean, which tells how much of the band is light: the edge's place, here and along the side.
 Step start(const Side& side, const Samples& samples, double band) {
-  std::vector<float> sorted = samples.grey;
-  const auto at = [&sorted](double fraction) {
-    const auto place = sorted.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(sorted.size() - 1));
-    std::nth_element(sorted.begin(), place, sorted.end());
-    return static_cast<double>(*place);
+  std::array<int, 256> counts{};
+  for (const float grey : samples.grey) ++counts[static_cast<std::size_t>(grey)];
+  const auto at = [&](double fraction) {
+    int before = static_cast<int>(fraction * static_cast<double>(samples.size() - 1)), grey = 0;
+    while ((before -= counts[static_cast<std::size_t>(grey)]) >= 0) ++grey;
+    return static_cast<double>(grey);
   };
   const double dark = at(kDark), light = std::max(dark + 1.0, at(1.0 - kDark));
   double n = 0.0, t = 0.0, tt = 0.0, y = 0.0, ty = 0.0;

@@ -127,10 +127,7 @@ void clear(const Quad& quad, cv::Mat& dark) {
 std::vector<Quad> findQuads(const cv::Mat& grey, const QuadSearch& search, const std::vector<Quad>& known) {
   std::vector<Quad> quads;
   if (grey.cols < 5 || grey.rows < 5) return quads;
-  cv::Mat smooth, dark;
-  if (search.smooth) cv::blur(grey, smooth, cv::Size(3, 3), cv::Point(-1, -1), cv::BORDER_REPLICATE);
-  cv::adaptiveThreshold(search.smooth ? smooth : grey, dark, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY_INV,
-                        search.window, search.constant);
+  cv::Mat dark = darkPixels(grey, search);
   for (const Quad& quad : known) clear(quad, dark);
   std::vector<std::vector<cv::Point>> outlines;
   cv::findContours(dark, outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
