@@ -123,6 +123,16 @@ def test_odometry_or_camera_is_another_one_on_the_way(make_world, hook, fault_of
     assert "images agree on a dock" in ends(world, ResultCode.INCONSISTENT, 1.5).text
 
 
+def test_a_contact_that_is_closed_on_the_way_proves_nothing(make_world) -> None:
+    """It was a SUCCESS with `contact`, whatever closed it; a spike now and then is none."""
+    world, _ = driving(make_world)
+    world.contact = lambda w: round(w.now * 20) % 8 != 0
+    world.run(1.0)
+    assert world.sequence.active
+    world.contact = lambda w: True
+    assert "does it stick" in ends(world, ResultCode.INCONSISTENT, 0.6).text
+
+
 def test_a_clock_that_is_put_back_on_the_way(make_world) -> None:
     world, _ = driving(make_world)
     world.now -= 0.5
