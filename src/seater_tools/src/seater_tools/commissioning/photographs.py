@@ -50,7 +50,8 @@ class Photographer:
         """What somebody does who reads this line; nothing where it asks for nothing."""
         place = re.search(r"the board at the ((?:upper|lower|left|right)[a-z ]*) of the image", line)
         if place:
-            return [self._held(*(REACH * way for way in _ways(place[1]))) for _ in range(EACH)]
+            x, y = _ways(place[1])
+            return [self._held(REACH * x, REACH * y) for _ in range(EACH)]
         tilted = re.search(r"tilted .*its (upper|lower|left|right) edge towards the camera", line)
         if tilted:
             x, y = _ways(tilted[1])
