@@ -3,9 +3,12 @@
 
 import math
 import sys
+import time
+from pathlib import Path
 
 import rospy
 import rostest
+import yaml
 from seater_test.harness import DockingCase
 
 from seater_common.geometry import clearance
@@ -31,6 +34,17 @@ class DockOutOfPixels(DockingCase):
         smallest = min(clearance(self.chair, self.dock.bay, row[1:4]) for row in self.truth)
         self.assertGreater(smallest, 0.0, "the chair touched a wall")
         self.assert_slow_inside_the_bay()
+        if rospy.has_param("~memory"):
+            self.assert_remembered(Path(rospy.get_param("~memory")))
+
+    def assert_remembered(self, path: Path) -> None:
+        """What the docking has shown of the installation is written once its result is out."""
+        end = time.monotonic() + 10.0
+        while not path.exists() and time.monotonic() < end:
+            time.sleep(0.05)
+        docks = yaml.safe_load(path.read_text())
+        path.unlink()
+        self.assertEqual([dock["dockings"] for dock in docks.values()], [1])
 
     def assert_slow_inside_the_bay(self) -> None:
         inside = [row for row in self.truth if in_bay(self.chair, self.dock.bay, row[1:4])]

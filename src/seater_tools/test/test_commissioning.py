@@ -6,15 +6,19 @@ import dataclasses
 import math
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from printed import CONFIG
 
 from seater_common.camera_model import CameraModel
 from seater_common.params import ParameterError
+from seater_tools.board.board import Board
 from seater_tools.commissioning.hidden import FOCAL, PAPER, draw_hidden
 from seater_tools.commissioning.report import bars, draw, end_of, table
 from seater_tools.correct.scale import printed_scale
+from seater_tools.lens.coverage import missing_views
+from seater_tools.lens.find import FEWEST_CORNERS, View
 from seater_tools.trial.drive import Face, To
 
 SHORT = (
@@ -93,6 +97,36 @@ def test_bars_are_read_again_when_the_program_asks_for_it(tmp_path: Path, monkey
     stretched = dataclasses.replace(hidden, bars=(hidden.bars[0],) * 3)
     with pytest.raises(StepError, match="stretched"):
         Technician(stretched, CONFIG, tmp_path / "b").sheets()
+
+
+def test_the_photographer_takes_the_views_that_the_guide_asks_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Seed 2004: the lower right corner of the image was asked for three times, and views were taken anywhere."""
+    from seater_tools.commissioning import photographs
+
+    hidden = draw_hidden(CONFIG, 2004)
+    size, taken = (hidden.lens.width, hidden.lens.height), list[View]()
+
+    def see(_: object, pose: np.ndarray, drawn: object, number: int) -> np.ndarray:
+        corners = cv2.Rodrigues(pose[:3])[0] @ Board().points().T + pose[3:, None]
+        pixels = hidden.lens.project(corners.T)
+        inside = np.all((pixels > 0.0) & (pixels < np.array(size) - 1.0), axis=1)
+        assert inside.sum() >= FEWEST_CORNERS
+        taken.append(View(str(number), np.flatnonzero(inside), pixels[inside]))
+        return np.zeros((2, 2), np.uint8)
+
+    monkeypatch.setattr(photographs, "render", see)
+    monkeypatch.setattr(photographs, "rays_of", lambda lens: None)
+    monkeypatch.setattr(photographs, "FEWEST", 0)  # none that nobody has asked for
+    photographer = photographs.Photographer(hidden.lens, tmp_path, 2004)
+    photographer.taken = 1  # the views that everybody begins with are behind
+    missing = missing_views([], Board(), size, hidden.lens)
+    assert len(missing) == 14
+    for words in missing:
+        taken.clear()
+        photographer.take(f"  missing: {words}")
+        assert words not in missing_views(taken, Board(), size, hidden.lens) or "more views" in words
 
 
 def test_a_failure_says_why_and_misses_the_bar(tmp_path: Path) -> None:

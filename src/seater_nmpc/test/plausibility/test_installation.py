@@ -94,6 +94,18 @@ def test_what_is_wrong_is_found_and_named(wrong, name: str) -> None:
     assert error.effects[:, index] == pytest.approx(truly, rel=0.35, abs=0.003)
 
 
+@pytest.mark.parametrize(("slipping", "dockings", "wrong"), [(0.0237, 0, False), (0.05, 0, True), (0.0237, 3, True)])
+def test_what_vanishes_with_more_slip_is_slip(slipping: float, dockings: int, wrong: bool) -> None:
+    """As commissioning met it (seed 1027): 0.077 m by little slip, whose evidence was 58 ahead, at 5 standard
+    deviations; it stood 2 mm off. Over four dockings patches no longer count for much."""
+    installation = Installation(CHAIR.camera, DOCK, ObserverParameters())
+    installation._evidence = np.array([0.0, -58.0, -182.0, -487.0])
+    covariance = np.diag([2.5e-4, 4.5e-4, 8e-6, 1e-3])
+    values = [(0.004, y, -0.001, 0.0) for y in (0.0785, slipping, 0.005, 0.0003)]
+    error = installation._mildest([(np.array(one), covariance) for one in values], dockings)
+    assert error.is_wrong(LIMITS, 5.0) is wrong
+
+
 def test_images_of_a_chair_that_stands_say_nothing() -> None:
     installation = Installation(CHAIR.camera, DOCK, ObserverParameters())
     assert installation.error() is None

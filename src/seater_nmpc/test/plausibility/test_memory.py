@@ -10,6 +10,7 @@ import pytest
 import yaml
 from test_installation import CHAIR, DOCK, LIMITS, NOISE, S_CURVE, seen
 
+from seater_common.camera_model import CameraModel
 from seater_common.se2 import arc_step
 from seater_nmpc.observe.measurement import Measurement, in_frame
 from seater_nmpc.observe.odometry import Odometry, OdometryBuffer
@@ -84,6 +85,10 @@ def test_it_is_kept_for_the_same_installation_only(tmp_path) -> None:
     found = memory.recall("hall", MARK)
     assert found.dockings == 3 and np.array_equal(found.covariances, known.covariances)
     assert memory.recall("gate", MARK).dockings == 7
+    lens = CameraModel(640, 480, "plumb_bob", np.zeros(5), np.eye(3), np.eye(3), np.zeros((3, 4)))
+    others = {"width": 320, "distortion_model": "none", "D": np.full(5, 0.1), "K": 2.0 * lens.K}
+    lenses = [None, lens, *(replace(lens, **{key: value}) for key, value in others.items())]
+    assert len({mark_of(CHAIR, DOCK, one) for one in lenses}) == 6
     moved = replace(CHAIR, camera=replace(CHAIR.camera, x=CHAIR.camera.x + 0.001))
     assert memory.recall("hall", mark_of(moved, DOCK, None)).dockings == 0
 

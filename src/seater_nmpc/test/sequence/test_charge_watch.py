@@ -27,6 +27,16 @@ def test_the_goal_ends_when_the_contact_stayed_closed(make_world) -> None:
     assert 5.0 <= world.now - held < 5.2 and (world.truth == truth).all()
 
 
+def test_a_docking_whose_watch_is_ended_has_shown_the_installation_too(make_world) -> None:
+    world = make_world((-1.6, 0.3, 0.0), require_contact=True, contact=closes, sequence={"charge_watch": 60.0})
+    world.tick()
+    world.sequence.start_dock(world.now)
+    world.run(60.0, lambda step: step.phase is Phase.HOLDING)
+    assert world.sequence.knowledge.dockings == 0
+    assert world.sequence.abort(world.now, ResultCode.CHARGING, "it charges").result.code is ResultCode.SUCCESS
+    assert world.sequence.knowledge.dockings == 1
+
+
 def test_as_shipped_the_goal_ends_at_once(make_world) -> None:
     world = start(make_world, watch=0.0, contact=closes)
     assert world.run(10.0).result.code is ResultCode.SUCCESS

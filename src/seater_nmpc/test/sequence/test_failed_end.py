@@ -64,7 +64,7 @@ def test_what_ends_the_backing_out_names_the_failure_too(make_world) -> None:
 
 def test_a_person_who_resumes_has_it_try_again(make_world) -> None:
     closes = []
-    world = start(make_world, "predock", contact=lambda w: bool(closes))
+    world = start(make_world, "predock", contact=lambda w: bool(closes) and w.truth[0] > -0.02)
     world.run(30.0, lambda step: step.phase is Phase.RETRY)
     world.sequence.pause(world.now, ResultCode.STOPPED_BY_USER, "let go")
     closes.append(True)
@@ -88,6 +88,20 @@ def test_a_success_that_is_doubted_says_so_and_its_deviation_too(make_world) -> 
     assert results[0].text == "docked"
     assert results[1].text.startswith("docked, but the way here suggests") and "camera's y" in results[1].text
     assert results[1].position_sd > max(0.02, results[0].position_sd)
+
+
+@pytest.mark.parametrize(
+    ("contact", "code"), [(None, ResultCode.NOT_CERTAIN), (False, ResultCode.NOT_CERTAIN), (True, ResultCode.SUCCESS)]
+)
+def test_no_success_is_claimed_where_the_chair_may_stand_elsewhere(make_world, contact, code) -> None:
+    world = make_world(CLOSE, contact=lambda w: contact, plausibility={"final_unsure": 0.005})
+    world.tick()
+    world.sequence.start_dock(world.now)
+    step = world.run(30.0)
+    result = step.result
+    assert result.code is code and result.position_sd > 0.005
+    assert (step.command.v, step.command.omega) == (0.0, 0.0) and abs(world.truth[0]) < 0.03
+    assert code is ResultCode.SUCCESS or "calibrate the camera's mount, fit a contact" in result.text
 
 
 def test_the_next_goal_knows_nothing_of_it(make_world) -> None:

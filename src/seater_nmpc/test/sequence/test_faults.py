@@ -10,7 +10,7 @@ import pytest
 from conftest import T_ODOM_DOCK, World, observation
 
 from seater_common.geometry import pose_matrix
-from seater_common.se2 import arc_step, compose, inverse
+from seater_common.se2 import arc_step, compose, inverse, relative
 from seater_nmpc.observe.innovation import Outcome
 from seater_nmpc.observe.measurement import Hypothesis
 from seater_nmpc.sequence.goal.results import Phase, Result, ResultCode
@@ -62,6 +62,20 @@ class Fault:
     def wheels_stand(self, world, odometry):
         return replace(odometry, v=0.0, omega=0.0) if self.acts else odometry
 
+    def of_two_senders(self, world, odometry):
+        """Every other message is of one whose frame began elsewhere."""
+        other = self.acts and round(world.now * 100) % 2
+        return replace(odometry, pose=relative(self.truth, odometry.pose)) if other else odometry
+
+    def begins_anew(self, world, odometry):
+        return replace(odometry, pose=relative(self.truth, odometry.pose)) if self.acts else odometry
+
+    def by_another_camera(self, world, found):
+        """Beside the first one, turned by 20 deg; nobody says so."""
+        T, c, s = np.eye(4), math.cos(0.35), math.sin(0.35)
+        T[:3, :3], T[0, 3] = [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]], 0.25
+        return [replace(seen, T_optical_dock=T @ seen.T_optical_dock) for seen in found] if self.acts else found
+
     def same_image(self, world, found):
         self.images = self.images if self.acts else found
         return self.images
@@ -90,6 +104,39 @@ def test_frozen_odometry(make_world) -> None:
     world.measures = fault.does_not_measure
     fault.begin()
     assert "odometry frozen" in ends(world, ResultCode.ODOMETRY_WRONG).text
+
+
+def test_two_nodes_that_send_odometry(make_world) -> None:
+    """The goal did not end: the chair stood, as no image fitted both."""
+    world, fault = driving(make_world)
+    world.measures = fault.of_two_senders
+    fault.begin()
+    assert "do two nodes publish it" in ends(world, ResultCode.ODOMETRY_WRONG).text
+
+
+@pytest.mark.parametrize(("hook", "fault_of"), [("measures", "begins_anew"), ("shows", "by_another_camera")])
+def test_odometry_or_camera_is_another_one_on_the_way(make_world, hook, fault_of) -> None:
+    """The odometry's frame begins where the chair is; the images come from another camera."""
+    world, fault = driving(make_world)
+    setattr(world, hook, getattr(fault, fault_of))
+    fault.begin()
+    assert "images agree on a dock" in ends(world, ResultCode.INCONSISTENT, 1.5).text
+
+
+def test_a_contact_that_is_closed_on_the_way_proves_nothing(make_world) -> None:
+    """It was a SUCCESS with `contact`, whatever closed it; a spike now and then is none."""
+    world, _ = driving(make_world)
+    world.contact = lambda w: round(w.now * 20) % 8 != 0
+    world.run(1.0)
+    assert world.sequence.active
+    world.contact = lambda w: True
+    assert "does it stick" in ends(world, ResultCode.INCONSISTENT, 0.6).text
+
+
+def test_a_clock_that_is_put_back_on_the_way(make_world) -> None:
+    world, _ = driving(make_world)
+    world.now -= 0.5
+    assert "time went backward" in ends(world, ResultCode.ODOMETRY_LOST, 0.0).text
 
 
 def test_wheels_that_spin_on_the_spot(make_world) -> None:

@@ -102,8 +102,10 @@ class Instant:
 
 
 _LONGER = 4.0  # times as long a time is looked at, where the poses are noisy
+_MOST_JUMPS = 10  # that are counted
 _FEWEST = 5  # poses by which their noise can be told
 _MEDIAN = 0.6745  # of the absolute value, times the standard deviation (normal distribution)
+_JUMP = (0.2, 5.0, 0.5, 6.0)  # [m, m/s, rad, rad/s] beyond a way, and a speed, no chair has moved from pose to pose
 _PERIOD_GAIN = 0.1  # weight of the newest message in the usual period
 
 
@@ -120,6 +122,7 @@ class OdometryBuffer:
         self._samples.clear()
         self.period = 0.0  # [s] usual time between two messages, once there are two
         self._twist = TwistCheck()
+        self._jumps: deque[float] = deque(maxlen=_MOST_JUMPS)  # stamps of poses that no chair reached from the last one
         self._asked: tuple[float, Instant | None] | None = None  # the last question to `at`, and the answer
 
     def add(self, odometry: Odometry) -> bool:
@@ -133,6 +136,8 @@ class OdometryBuffer:
                 return False
             duration = odometry.stamp - last.stamp
             travel = last.travel.plus(_step(last.pose, pose, duration))
+            if _jumps(last.pose, pose, duration):
+                self._jumps.append(odometry.stamp)
             self.period = duration if self.period == 0.0 else self.period + _PERIOD_GAIN * (duration - self.period)
         v, omega = self._twist.speeds(odometry)
         self._asked = None
@@ -145,6 +150,10 @@ class OdometryBuffer:
     def newest(self) -> Instant | None:
         """The last message."""
         return self._samples[-1] if self._samples else None
+
+    def jumps_since(self, stamp: float) -> int:
+        """How often the pose has jumped since `stamp` [s] (ten are counted)."""
+        return sum(jump > stamp for jump in self._jumps)
 
     def mean_speeds(self, duration: float, sd: float = math.inf) -> tuple[float, float] | None:
         """(v [m/s], omega [rad/s]) over the last `duration` [s] by the poses, as far as they reach back.
@@ -215,6 +224,11 @@ def _noise(places: Array) -> float:
         return 0.0
     typical = np.median(np.abs(np.diff(places, n=2, axis=0)), axis=0)
     return float(typical.max()) / (_MEDIAN * math.sqrt(6.0))
+
+
+def _jumps(before: Array, after: Array, duration: float) -> bool:
+    way, turn = math.dist(before[:2], after[:2]), abs(math.remainder(float(after[2] - before[2]), 2.0 * math.pi))
+    return way > _JUMP[0] + _JUMP[1] * duration or turn > _JUMP[2] + _JUMP[3] * duration
 
 
 def _step(before: Array, after: Array, duration: float) -> Travel:

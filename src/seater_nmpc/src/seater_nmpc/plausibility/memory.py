@@ -26,7 +26,10 @@ _ROUNDING = 1e-9  # of a covariance
 def mark_of(chair: Chair, dock: Dock, camera: CameraModel | None) -> str:
     """Differs where mount, markers or calibration do."""
     markers = [(m.id, m.size, *m.position, m.normal_yaw) for m in dock.markers]
-    lens = None if camera is None else np.asarray(camera.K).tolist()
+    lens = None
+    if camera is not None:
+        size, model = (camera.width, camera.height), camera.distortion_model
+        lens = (size, model, *(np.asarray(values, float).tolist() for values in (camera.K, camera.D)))
     return hashlib.sha256(repr((chair.camera, markers, lens)).encode()).hexdigest()[:16]
 
 

@@ -21,6 +21,7 @@ Speeds = tuple[float, float]  # v [m/s], omega [rad/s]
 RESPONSE = 0.25  # [s] beyond the believed delay and lag, after which a command surely acts
 _GAIN = 1.3  # speed over command up to which it is no runaway
 _SLOWS_DOWN = 0.5  # times the limits of acceleration
+_SENDERS = (1.0, 4)  # [s], jumps of the pose in it: one that is corrected, or started anew, jumps once
 _MEAN = 0.15  # [s] over which speeds are taken
 _MEMORY = 5.0  # [s]
 _STANDS = (0.004, 0.04)  # [m, rad] farthest that a blocked chair is moved meanwhile (a gyro's bias turns its odom)
@@ -59,6 +60,10 @@ class Response:
 
     def check(self, now: float, odometry: OdometryBuffer) -> Contradiction | None:
         """At message time `now` [s], once in each cycle."""
+        jumps = odometry.jumps_since(now - _SENDERS[0])
+        if jumps >= _SENDERS[1]:
+            text = f"its poses have jumped {jumps} times in {_SENDERS[0]:g} s: do two nodes publish it?"
+            return Contradiction(Kind.ODOMETRY_WRONG, f"the odometry contradicts itself, {text}")
         speeds = odometry.mean_speeds(_MEAN)
         if speeds is None:
             return None

@@ -98,6 +98,13 @@ class Watch:
         off = f"{1e3 * math.hypot(error.final[0], error.final[1]):.0f} mm"
         return f"the way here suggests that it is {off} off: check {NAMES[error.suspect]} (./seater doctor --move)"
 
+    def unsure(self, position_sd: float) -> str:
+        """Why a chair that stands docked by its images may stand elsewhere all the same; empty: it is sure enough."""
+        if position_sd <= self._parameters.final_unsure:
+            return ""
+        found = f"where it stands is known to {1e3 * position_sd:.0f} mm only (one standard deviation)"
+        return f"{found}: calibrate the camera's mount, fit a contact, or dock again, which shows more of the mount"
+
     def jumped(self) -> Contradiction | None:
         """Whether the dock has jumped in the images of this goal, so that where the chair stands is not sure."""
         return None if self._shift is None else Contradiction(Kind.INCONSISTENT, self._shift.text)

@@ -292,10 +292,22 @@ class DockingSequence:
         doubt = self._watch.final() or (None if self._goal.contact else self._watch.jumped())
         suspicion = self._watch.suspected() if end.code is ResultCode.SUCCESS else ""
         self._watch.learn()
-        if doubt is None:
-            return end.code, f"{end.text}, but {suspicion}" if suspicion else end.text
-        failed = "" if end.code is ResultCode.SUCCESS else f"{end.text}: "
-        return ResultCode[doubt.kind.name], failed + doubt.text
+        if doubt is not None:
+            failed = "" if end.code is ResultCode.SUCCESS else f"{end.text}: "
+            return ResultCode[doubt.kind.name], failed + doubt.text
+        text = f"{end.text}, but {suspicion}" if suspicion else end.text
+        unsure = self._watch.unsure(self._standard_deviations[0])
+        if end.code is ResultCode.SUCCESS and unsure and not self._goal.contact:
+            return ResultCode.NOT_CERTAIN, f"{text}, and {unsure}"
+        return end.code, text
+
+    @property
+    def _standard_deviations(self) -> tuple[float, float]:
+        """Of the final error [m, rad]; zero: it is not verified."""
+        covariance = self._goal.covariance
+        if covariance is None:
+            return 0.0, 0.0
+        return standard_deviations(covariance, self.observer.parameters, *self._watch.final_error)
 
     @property
     def staging(self) -> bool:
@@ -305,6 +317,7 @@ class DockingSequence:
     def _finish(self, now: float, code: ResultCode, text: str) -> Step:
         now = now if math.isfinite(now) else self._goal.now
         if self._goal.phase is Phase.HOLDING and self._goal.contact and code in _LETS_DOCKED:
+            self._watch.learn()  # its end is not one of the phases', see `_doubted`
             code, text = ResultCode.SUCCESS, f"docked; the watch of the contact ended: {text}"
         failure = self._goal.failure
         if failure is not None and failure.code is not code:
@@ -312,9 +325,7 @@ class DockingSequence:
         self.active, self._pause = False, None
         self.observer.bound_reacquisition(False)
         self._controller.reset()
-        covariance, sd = self._goal.covariance, (0.0, 0.0)
-        if covariance is not None:
-            sd = standard_deviations(covariance, self.observer.parameters, *self._watch.final_error)
-        step = self._step(now, STANDING, make_result(self._goal, now, self._dock, code, text, sd))
+        sds = self._standard_deviations
+        step = self._step(now, STANDING, make_result(self._goal, now, self._dock, code, text, sds))
         self._controller.history.clear()  # whoever drives from here on does not say
         return step

@@ -51,6 +51,7 @@ class Technician:
 
     def __post_init__(self) -> None:
         self.folder.mkdir(parents=True)
+        self._said = ""  # by the last command
         self.installation = Installation(self.folder / "installation")
 
     def sheets(self) -> None:
@@ -72,11 +73,11 @@ class Technician:
                     raise
 
     def lens(self) -> None:
-        """Takes views until they are enough."""
+        """Takes views, and those that the guide asks for, until they are enough."""
         images = self.folder / "photographs"
         photographer = Photographer(self.hidden.lens, images, self.hidden.seed)
         for _ in range(TRIES):
-            photographer.take()
+            photographer.take(self._said)
             if self._run("seater_tools", "calibrate", "camera", *self._here(), "--images", images, more=True):
                 return
         raise StepError("the lens is not constrained")
@@ -137,6 +138,7 @@ class Technician:
         Raises StepError: it refuses.
         """
         done = run_program(package, program, *words)
+        self._said = done.output
         with (self.folder / "said.txt").open("a") as file:
             file.write(f"$ {program} {' '.join(map(str, words))}\n{done.output}\n[{done.code}]\n\n")
         if done.code == 0 or (more and done.code == NOT_CONSTRAINED):

@@ -55,6 +55,7 @@ class ResultCode(IntEnum):
     CLIENT_LOST = 922
     CHARGING = 923
     DOCKED_ELSEWHERE = 924
+    NOT_CERTAIN = 925
     UNKNOWN = 999
 
 
