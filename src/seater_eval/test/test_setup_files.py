@@ -27,8 +27,9 @@ def test_the_shipped_files_load_without_a_warning() -> None:
 
 def test_a_narrow_bay_is_a_warning_or_an_error_with_the_file(tmp_path: Path) -> None:
     bay = yaml.safe_load(FILES.dock.read_text())["bay"]
-    setup, (warning,) = load_files(changed(tmp_path, "dock", bay=bay | {"width": 0.8}))
-    assert setup.parameters.control.margin < 0.05 and "dock bay/width" in warning
+    setup, (narrow, *hidden) = load_files(changed(tmp_path, "dock", bay=bay | {"width": 0.8}))
+    assert setup.parameters.control.margin < 0.05 and "dock bay/width" in narrow
+    assert len(hidden) == 2 and all("the wall hides it" in warning for warning in hidden)  # the outer ones
     with pytest.raises(ParameterError, match=r"(?s)dock bay/width, chair width.*my_dock\.yaml"):
         load_files(changed(tmp_path, "dock", bay=bay | {"width": 0.7}))
 
