@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <sstream>
 
 namespace seater_safety {
@@ -12,11 +13,15 @@ constexpr double kWrongWayTime = 1.0;  // [s] told the same way for so long, or 
 constexpr Velocity kStands{0.02, 0.05};
 
 // A chair that is told to slow down slows down, if late: see keepsSpeed.
-constexpr double kWindow = 0.4;       // [s] over which
-constexpr double kSlower = 0.08;      // [m/s] told to slow down by at least this in it
-constexpr double kFollows = 1 / 3.0;  // times that: the chair slows down by at least this
-constexpr double kLagStep = 0.05;     // [s] between the lags that are looked at
-constexpr double kKeepsTime = 0.1;    // [s] how long it has to last
+struct Window {
+  double duration;  // [s]
+  double slower;    // [m/s] told to slow down by at least this in it
+};
+constexpr Window kWindows[] = {{0.4, 0.08}, {0.7, 0.1}};  // the longer one: into a bay it is told so gently
+constexpr double kWindow = 0.7;                           // [s] the longest
+constexpr double kFollows = 1 / 3.0;                      // times that: the chair slows down by at least this
+constexpr double kLagStep = 0.05;                         // [s] between the lags that are looked at
+constexpr double kKeepsTime = 0.1;                        // [s] how long it has to last
 
 // With one motor a chair drives at half the speed and turns about the wheel that stands: see oneMotorStands.
 constexpr double kDriven = 0.12;       // [m/s] told at least; below, castors turn a chair as much
@@ -116,22 +121,29 @@ bool MotionMonitor::wrongWay(Axis& axis, double now) {
 
 // The motors of a chair that obeys answer with lags between zero and motion_delay, in any mixture (delay, ramp, first
 // order). So it slows down by as much as the commands did at the lag where they did so least. Slopes and castors change
-// its speed, too, but by less than (1 - kFollows) kSlower within kWindow.
+// its speed, too, but by less than (1 - kFollows) of that within the window.
 bool MotionMonitor::keepsSpeed(double now) {
+  const bool keeps = std::any_of(std::begin(kWindows), std::end(kWindows), [this, now](const Window& window) {
+    return keepsSpeed(now, window.duration, window.slower);
+  });
+  return lasts(keeps_since_, now, keeps, kKeepsTime);
+}
+
+bool MotionMonitor::keepsSpeed(double now, double duration, double least_slower) const {
   const double speed = moves_.at(now).linear, forward = sign(speed);
   const auto told = [this, forward](double time) { return forward * sent_.at(time).linear; };
   double slower = kNever;
   for (double lag = 0.0; lag < delay_ + 0.5 * kLagStep; lag += kLagStep) {
-    slower = std::min(slower, told(now - lag - kWindow) - told(now - lag));
+    slower = std::min(slower, told(now - lag - duration) - told(now - lag));
   }
   // In the second half of the window, too: a late chair may have begun to slow down within it.
   const auto follows = [this, now, forward, speed](double window) {
     return forward * (moves_.at(now - window).linear - speed) / window;
   };
-  const double least = kFollows * slower / kWindow;
-  const bool known = moves_.reaches(now - kWindow) && sent_.reaches(now - delay_ - kWindow);
-  const bool keeps = known && slower >= kSlower && std::max(follows(kWindow), follows(0.5 * kWindow)) < least;
-  return lasts(keeps_since_, now, keeps && std::abs(speed) > told(now) + kSlower, kKeepsTime);
+  const double least = kFollows * slower / duration;
+  const bool known = moves_.reaches(now - duration) && sent_.reaches(now - delay_ - duration);
+  const bool keeps = known && slower >= least_slower && std::max(follows(duration), follows(0.5 * duration)) < least;
+  return keeps && std::abs(speed) > told(now) + least_slower;
 }
 
 bool MotionMonitor::oneMotorStands(double now) {

@@ -64,6 +64,7 @@ class MotionMonitor {
   bool tooFast(Axis& axis, double now, double elapsed);
   bool wrongWay(Axis& axis, double now);
   bool keepsSpeed(double now);
+  bool keepsSpeed(double now, double duration, double least_slower) const;
   bool oneMotorStands(double now);
   MotionFault fault(const Axis& axis, double now, GateState cause, const char* why) const;
   double least(const SpeedHistory::Range& range, double sign) const;
