@@ -10,7 +10,6 @@ from typing import Any
 import yaml
 
 from seater_common.geometry import Dock
-from seater_common.marker_family import marker_family
 from seater_common.params import ParameterError, load, read_yaml
 
 
@@ -111,8 +110,13 @@ def _same_names(entries: list[DockEntry]) -> Iterator[str]:
 def _same_markers(entries: list[DockEntry]) -> Iterator[str]:
     """A print that hangs at two docks: an image of it does not say which of them it shows, nor how large it is there,
     so the chair would drive by the wrong one's measures."""
+    if len(entries) < 2:
+        return
+    # Here, as OpenCV takes a third of the docking node's time to start, and one dock needs none of it.
+    from seater_common.marker_family import marker_family
+
     known: dict[tuple[int, bytes], str] = {}
-    for entry in entries if len(entries) > 1 else []:
+    for entry in entries:
         for i, marker in enumerate(entry.dock.markers):
             key = f"{entry.source}/markers[{i}]/id"
             try:
