@@ -26,15 +26,8 @@ cv::Mat tableOfLimits(double constant) {
   return table;
 }
 
-/// By how much each pixel is darker than the mean; as in cv::adaptiveThreshold, nothing is known beyond the borders.
-void compareWithMean(const cv::Mat& seen, int window, cv::Mat& mean, cv::Mat& darker) {
-  cv::boxFilter(seen, mean, CV_8U, cv::Size(window, window), cv::Point(-1, -1), true,
-                cv::BORDER_REPLICATE | cv::BORDER_ISOLATED);
-  cv::subtract(mean, seen, darker);
-}
-
-/// By how much darker a pixel has to be follows from how much grey levels differ round it. Strip by strip, so that
-/// nothing leaves the processor's cache in between.
+/// As cv::adaptiveThreshold, but by how much darker a pixel has to be follows from how much grey levels differ round
+/// it. Strip by strip, so that nothing leaves the processor's cache in between.
 cv::Mat faintToo(const cv::Mat& seen, const DarkPixels& what) {
   const cv::Mat table = tableOfLimits(what.constant), step = cv::Mat::ones(kStepWindow, kStepWindow, CV_8U);
   const int reach = std::max(what.window, kStepWindow) / 2;
@@ -43,7 +36,8 @@ cv::Mat faintToo(const cv::Mat& seen, const DarkPixels& what) {
   for (int first = 0; first < seen.rows; first += kStrip) {
     const int last = std::min(seen.rows, first + kStrip), above = std::max(0, first - reach);
     const cv::Mat part = seen.rowRange(above, std::min(seen.rows, last + reach));
-    compareWithMean(part, what.window, mean, darker);
+    cv::boxFilter(part, mean, CV_8U, cv::Size(what.window, what.window), cv::Point(-1, -1), true, border);
+    cv::subtract(mean, part, darker);
     cv::dilate(part, most, step, cv::Point(-1, -1), 1, border);
     cv::erode(part, least, step, cv::Point(-1, -1), 1, border);
     cv::subtract(most, least, limits);
@@ -58,12 +52,11 @@ cv::Mat faintToo(const cv::Mat& seen, const DarkPixels& what) {
 }  // namespace
 
 cv::Mat darkPixels(const cv::Mat& grey, const DarkPixels& what) {
-  cv::Mat smooth, mean, darker, dark;
+  cv::Mat smooth, dark;
   if (what.smooth) cv::blur(grey, smooth, cv::Size(3, 3), cv::Point(-1, -1), cv::BORDER_REPLICATE);
   const cv::Mat& seen = what.smooth ? smooth : grey;
   if (what.faint) return faintToo(seen, what);
-  compareWithMean(seen, what.window, mean, darker);
-  cv::threshold(darker, dark, std::max(0.0, std::floor(what.constant) - 1.0), 255.0, cv::THRESH_BINARY);
+  cv::adaptiveThreshold(seen, dark, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY_INV, what.window, what.constant);
   return dark;
 }
 
