@@ -18,7 +18,7 @@ struct Window {
   double slower;    // [m/s] told to slow down by at least this in it
 };
 constexpr Window kWindows[] = {{0.4, 0.08}, {0.7, 0.1}};  // the longer one: into a bay it is told so gently
-constexpr double kWindow = 0.7;                           // [s] the longest
+constexpr double kWindow = kWindows[1].duration;          // [s] the longest
 constexpr double kFollows = 1 / 3.0;                      // times that: the chair slows down by at least this
 constexpr double kLagStep = 0.05;                         // [s] between the lags that are looked at
 constexpr double kKeepsTime = 0.1;                        // [s] how long it has to last
