@@ -59,7 +59,7 @@ class FreeRunning(DockingCase):
         """Without images every stage still reports, and the camera, not one that waits for it, is the first to fail."""
         self.assertEqual(fail("camera", "off").returncode, 0)
         time.sleep(2.0)  # 1.5 s of silence
-        words = ["rosrun", "seater_tools", "doctor", "--stages", "--json", "--seconds", "1.5"]
+        words = ["rosrun", "seater_tools", "doctor", "--stages", "--json", "--seconds", "2.5"]
         done = subprocess.run(words, capture_output=True, text=True, timeout=60.0)
         self.assertEqual(fail("camera", "clear").returncode, 0)
         self.assertEqual(done.returncode, 1, done.stderr)
@@ -68,7 +68,7 @@ class FreeRunning(DockingCase):
         self.assertIn("no image with its camera_info on /camera/color/image_raw for", said["conclusion"])
         levels = {stage["name"]: stage["level"] for stage in said["stages"]}
         unknown = [name for name, level in levels.items() if level == "STALE"]
-        self.assertEqual(unknown, ["obstacles", "inputs"])  # not launched here
+        self.assertEqual(unknown, ["obstacles", "inputs"], said)  # not launched here
         self.assertEqual([name for name, level in levels.items() if level == "ERROR"], ["camera"], said)
 
     def assert_history(self, results: list[DockResult]) -> None:

@@ -5,10 +5,14 @@ from __future__ import annotations
 import threading
 import time
 
+import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 
 from seater_tools.stages.tree import Entry, Level
+
+TOPIC = "/diagnostics"
+LONGEST_CONNECTING = 5.0  # [s] a node that died without a word stays known to the master and never connects
 
 
 class Ear:
@@ -17,7 +21,14 @@ class Ear:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._heard: dict[str, tuple[float, Entry]] = {}
-        rospy.Subscriber("/diagnostics", DiagnosticArray, self._take, queue_size=50)
+        self._subscriber = rospy.Subscriber(TOPIC, DiagnosticArray, self._take, queue_size=50)
+
+    def wait_for_publishers(self) -> None:
+        """Until all that publish now are connected: on a loaded computer that takes longer than a report's period."""
+        published = dict(rosgraph.Master(rospy.get_name()).getSystemState()[0])
+        count, end = len(published.get(rospy.resolve_name(TOPIC), ())), time.monotonic() + LONGEST_CONNECTING
+        while self._subscriber.get_num_connections() < count and time.monotonic() < end:
+            time.sleep(0.02)
 
     def _take(self, message: DiagnosticArray) -> None:
         now = time.monotonic()
@@ -35,8 +46,9 @@ class Ear:
 
 
 def listen(name: str, seconds: float) -> list[Entry]:
-    """A node of this name for so long [s], on the computer's clock: ROS time may stand."""
+    """A node of this name for so long [s] once it is connected, on the computer's clock: ROS time may stand."""
     rospy.init_node(name, anonymous=True, disable_signals=True)
     ear = Ear()
+    ear.wait_for_publishers()
     time.sleep(seconds)
     return ear.entries()
