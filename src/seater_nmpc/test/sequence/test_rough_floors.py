@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from conftest import T_ODOM_DOCK
 
+from seater_common.geometry import Bay, Chair, Dock, Marker
 from seater_common.se2 import arc_step, compose, inverse
+from seater_nmpc.plan.corridor import room_beyond
 from seater_nmpc.sequence.goal.results import Phase
 
 
@@ -142,6 +144,27 @@ def test_a_chair_that_rolls_on_after_each_stop_is_stopped_earlier_the_next_time(
     assert step.result is not None and step.result.success, step.result
     assert abs(world.truth[0]) < 0.01 and step.result.retries <= 1
     assert max(pose[0] for pose in world.track) < 1.2 * speed + 0.01
+
+
+def test_a_chair_that_rolls_back_after_each_stop_is_stopped_beyond_the_dock(make_world) -> None:
+    """By 30 mm, and short pushes do not move it: it tried again from the predock point until it had to give up."""
+    world, rolls = make_world((-1.3, 0.0, 0.0)), RollsOn(-0.025)
+    world.moves = lambda w, v, omega: rolls.moves(w, 0.0 if w.phases[-1:] == ["CORRECTING"] else v, omega)
+    world.tick()
+    world.sequence.start_dock(world.now)
+    step = world.run(60.0)
+    assert step.result is not None and step.result.success, step.result
+    assert abs(world.truth[0]) < 0.01 and step.result.retries == 0
+    assert 0.02 < max(pose[0] for pose in world.track) < 0.04
+
+
+def test_it_is_not_driven_beyond_the_dock_to_where_something_stands() -> None:
+    near, wide = Bay(back_wall_x=0.79), Bay(back_wall_x=2.0, side_wall_length=0.0)
+    post, aside = Marker(0, 0.1, [0.8, 0.0, 0.7]), Marker(0, 0.1, [0.8, 0.6, 0.7])
+    rooms = [room_beyond(Chair(), dock) for dock in (Dock(), Dock(bay=near), Dock(bay=Bay(back_wall_x=0.76)))]
+    assert rooms == pytest.approx([0.04, 0.01, 0.0])
+    assert room_beyond(Chair(), Dock(bay=wide, markers=[post])) == pytest.approx(0.02)
+    assert room_beyond(Chair(), Dock(bay=wide, markers=[aside])) == 0.04
 
 
 def test_a_stop_that_was_timed_badly_is_no_slope(make_world) -> None:

@@ -32,13 +32,25 @@ class Corridor:
         return float(pose[0]) > self._gate_x and not self.contains(pose)
 
 
+_MOST_BEYOND, _FREE = 0.04, 0.03  # [m] beyond the dock at most; that stay free ahead of the chair
+
+
+def room_beyond(chair: Chair, dock: Dock) -> float:
+    """How far [m] beyond the dock a chair may be driven that will roll back from there: neither to the back wall nor to
+    a marker ahead of it."""
+    half = 0.5 * chair.width + _FREE
+    ahead = [marker.position[0] for marker in dock.markers if abs(marker.position[1]) - 0.5 * marker.size < half]
+    room = min([dock.bay.back_wall_x, *ahead]) - chair.length_front - _FREE
+    return min(max(room, 0.0), _MOST_BEYOND)
+
+
 # How much lateral error [m] is left as it is, at these places along the dock's axis [m].
 _STRAIGHT_AT, _STRAIGHT_BAND = (-0.50, -0.35, -0.20), (0.0, 0.0005, 0.003)
 
 
 def straight_in(pose: Array, short: float = 0.0) -> Array:
     """The target (3,) of the last stretch, in the dock's frame like `pose`: a small lateral error is left as it is.
-    `short` [m]: so far before the dock.
+    `short` [m]: so far before the dock; negative: beyond it.
 
     Mending the last millimetres there would end in a heading error: turning needs way, and there is none left.
     """

@@ -27,6 +27,8 @@ _LAGS, _DOUBT = 2.5, 0.2  # times the lag, and [s], after the delay, until the m
 _LONGEST_LAG = 0.3  # [s] that is waited for: a roll is learned as lag, too
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
 _LEARNT = 4  # moves after which what the chair makes of them should be known
+_DRIVES_ON = 2  # times in an attempt that the chair drives on to a dock that it has stopped before
+_FAR_BEFORE = 0.012  # [m] before the dock from which on it has way enough to drive on
 _OPENED = 0.5  # [s] without contact: no mere bounce of it
 _VERDICTS = {
     Verdict.DOCKED: ResultCode.SUCCESS,
@@ -39,7 +41,7 @@ class AtDock:
 
     def __init__(self, context: Context) -> None:
         self._context = context
-        self._phase, self._rolls = context.goal.phase, Roll()
+        self._phase, self._rolls, self._driven_on = context.goal.phase, Roll(), 0
         self.restart(context.goal.phase)
 
     def restart(self, phase: Phase) -> None:
@@ -51,6 +53,7 @@ class AtDock:
             self._rolls = Roll()
         self._closed = self._context.goal.now  # the contact, when it was so last
         if phase not in (Phase.STOPPING, Phase.CORRECTING, Phase.VERIFY):
+            self._driven_on = self._driven_on if phase is Phase.FINAL else 0
             self._moves = 0
             self._fine_move: FineMove | None = None
             self._moved_from: Array | None = None  # error before it
@@ -156,10 +159,19 @@ class AtDock:
         last = c.goal.retries >= c.parameters.max_retries
         if verdict is Correction.STAY or (verdict is Correction.AGAIN and last and within(error, c.dock.tolerance)):
             return Phase.VERIFY
+        if verdict is Correction.AGAIN and self._drives_on(error):
+            self._driven_on += 1
+            return Phase.FINAL
         if verdict is Correction.AGAIN:
             return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock" + self._rolls.in_words)
         self._moves, self._moved_from = self._moves + 1, error
         return Phase.CORRECTING
+
+    def _drives_on(self, error: Array) -> bool:
+        """Whether all that is wrong is that it stands before the dock: then it need not go back for another attempt."""
+        p = self._context.parameters
+        aside = abs(error[1]) > p.release_position or abs(error[2]) > p.release_heading
+        return not aside and error[0] < -_FAR_BEFORE and self._driven_on < _DRIVES_ON
 
     def _choose(self, error: Array) -> Correction:
         """What is to be done; `_fine_move` is the move, if one is."""

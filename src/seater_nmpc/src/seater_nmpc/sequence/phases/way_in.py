@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from seater_common.se2 import compose
 from seater_nmpc.control.command import Command
 from seater_nmpc.observe.odometry import Instant
-from seater_nmpc.plan.corridor import Corridor, straight_in
+from seater_nmpc.plan.corridor import Corridor, room_beyond, straight_in
 from seater_nmpc.sequence.goal.results import Phase, ResultCode
 from seater_nmpc.sequence.phases.context import STANDING, Asked, Context
 
@@ -28,6 +28,7 @@ class WayIn:
     def __init__(self, context: Context) -> None:
         self._context = context
         self._corridor = Corridor(context.chair, context.dock, context.parameters)
+        self._room_beyond = room_beyond(context.chair, context.dock)
         self.restart()
 
     def restart(self) -> None:
@@ -67,11 +68,11 @@ class WayIn:
         c.goal.expected_rest = None
         if self._corridor.missed(error) and self._corridor.missed(rest):
             return c.try_again(ResultCode.FAILED_TO_STAGE, "outside the corridor at the bay")
-        short = max(0.0, c.goal.overshoot)  # not beyond the dock, where a wall may be, for a chair that will roll back
+        short = max(-self._room_beyond, c.goal.overshoot)  # beyond the dock: from there it will roll back
         if rest[0] + short >= -self._stopping_margin(speeds):
             c.goal.expected_rest = float(rest[0])
             return Phase.STOPPING
-        if c.standstill.in_place(chair.stamp, rest):
+        if c.standstill.in_place(chair.stamp, rest + np.array([short, 0.0, 0.0])):
             return Phase.STOPPING
         near, hovers = bool(abs(error[0]) <= _NEAR), c.standstill.stuck(chair.stamp, error)
         if near and hovers:  # to and fro: castors that swing round push it away again each time
