@@ -118,6 +118,19 @@ def test_no_way_is_explained(start, dock, obstacles, words) -> None:
         assert navigator.target((-2.5, 0.3, 0.0)) is not None and navigator.reason == ""
 
 
+def test_ways_do_not_go_to_and_fro_for_a_shorter_time(planner: Planner) -> None:
+    """From where the markers are seen: a fifth of the ways had two changes of direction, some with legs of 0.1 m, the
+    first one often nothing but the step onto the lattice."""
+    rng, changes = np.random.default_rng(3), []
+    for x, y, turn in zip(
+        rng.uniform(-4.0, -1.0, 100), rng.uniform(-1.5, 1.5, 100), rng.uniform(-0.45, 0.45, 100), strict=True
+    ):
+        path = planner.path((x, y, math.atan2(-y, 0.9 - x) + turn))
+        if path is not None:
+            changes.append(int(np.sum(np.diff(path.backward[1:].astype(int)) != 0)))
+    assert len(changes) > 90 and np.mean(np.array(changes) > 1) <= 0.06 and max(changes) <= 2
+
+
 def test_an_open_dock_is_reached_on_a_final_straight() -> None:
     """No side walls: the way still joins the axis 0.3 m ahead of the dock, from beside it and from behind its line."""
     dock = replace(DOCK, bay=replace(DOCK.bay, side_wall_length=0.0))
@@ -148,6 +161,14 @@ def test_the_guide_asks_for_the_turning_point_then_for_the_end() -> None:
     assert guide.target([-0.8, 0.0, 0.0], math.inf) == pytest.approx([-1.0, 0.0, 0.0])
     assert guide.target([-0.95, 0.0, 0.0], math.inf) == pytest.approx([0.0, 0.0, 0.0]) and guide.last_leg
     assert guide.away([-0.5, 0.3, 0.0]) == pytest.approx(0.3)
+
+
+def test_beside_a_turning_point_the_chair_turns_round() -> None:
+    poses = np.array([[0.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    for place, reached in (((-0.9, 0.2, 0.1), True), ((-0.85, 0.0, 0.0), False), ((-1.0, 0.3, 0.0), False)):
+        guide = Guide(Path(poses, np.array([False, True, False]), 1.0), PARAMETERS)
+        guide.target(place, math.inf)
+        assert guide.last_leg is reached, place
 
 
 def test_a_chair_that_stands_near_a_turning_point_turns_round() -> None:

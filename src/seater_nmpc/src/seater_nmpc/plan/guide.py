@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -17,6 +15,7 @@ _WINDOW = 1.0  # [m] how far ahead along the way the chair's place on it is look
 # A chair that moves less than this (turns reckoned in) during so many calls [control cycles] stands. Next to a wall the
 # controller's plan may put off a small correction sideways for ever: 13 cm short of a turning point were seen.
 _STANDING_WAY, _STANDING_CALLS = 0.02, 40
+_ASIDE = 2.0  # times `reached_position`, beside the turning point
 _NEAR_ENOUGH = 0.75  # [m] from the turning point, turns reckoned in: there a standing chair may turn round
 
 
@@ -81,7 +80,9 @@ class Guide:
         p, error = self._parameters, relative(end, pose)
         if self._stood >= _STANDING_CALLS and float(self._away(end[None], pose)[0]) <= _NEAR_ENOUGH:
             return True
-        return math.hypot(error[0], error[1]) <= p.reached_position and abs(error[2]) <= p.reached_heading
+        # Where it turns round matters along the way; to shift it aside there takes another to and fro.
+        near = abs(error[0]) <= p.reached_position and abs(error[1]) <= _ASIDE * p.reached_position
+        return near and abs(error[2]) <= p.reached_heading
 
 
 def _legs(path: Path, turn_length: float) -> list[tuple[Array, Array]]:

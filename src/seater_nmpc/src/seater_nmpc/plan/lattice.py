@@ -33,6 +33,9 @@ VECTORS = np.array(
 )
 HEADINGS = np.arctan2(VECTORS[:, 1], VECTORS[:, 0])  # [rad], (16,)
 FORWARD, BACKWARD, STAND = 0, 1, 2  # modes
+# [s] that driving backward costs beside its time. Nobody in the seat likes it, and on a real chair, whose motors and
+# castors have to turn round each time, a few decimetres back and forth take as long.
+_REVERSAL = 4.0
 
 
 @dataclass(frozen=True)
@@ -84,11 +87,13 @@ class Lattice:
         return start.ravel(), end.ravel()
 
     def mode_changes(self) -> list[tuple[int, int, float]]:
-        """(mode, mode after, duration [s]): the time that braking or gaining speed costs beside driving through."""
+        """(mode, mode after, duration [s]): the time that braking or gaining speed costs beside driving through.
+        Driving backward costs more."""
         limits = self._limits
         forward, backward = 0.5 * limits.v_max / limits.a_max, 0.5 * limits.v_reverse_max / limits.a_max
         both = [(FORWARD, forward), (BACKWARD, backward)]
-        return [change for mode, cost in both for change in ((mode, STAND, cost), (STAND, mode, cost))]
+        changes = [change for mode, cost in both for change in ((mode, STAND, cost), (STAND, mode, cost))]
+        return [(a, b, cost + _REVERSAL * (b == BACKWARD)) for a, b, cost in changes]
 
     def _motions(self, heading: int) -> list[Motion]:
         count, limits = len(HEADINGS), self._limits

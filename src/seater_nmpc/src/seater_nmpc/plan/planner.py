@@ -102,7 +102,7 @@ class Planner:
         modes = np.array(nodes) // self._lattice.size
         moved = np.concatenate([[True], at[1:] != at[:-1]])
         poses = np.vstack([start, self._poses[at[moved]]])
-        return Path(poses, np.concatenate([[False], modes[moved] == BACKWARD]), duration)
+        return Path(poses, np.concatenate([[False], _backward(modes[moved])]), duration)
 
     @property
     def open(self) -> bool:
@@ -200,3 +200,13 @@ class Planner:
     def _time_from(self, poses: Array) -> Array:
         """Seconds from goals, all ahead of the dock, straight to its frame (the bay's limit is the same for all)."""
         return -poses[:, 0] / self._chair.limits.v_max
+
+
+def _backward(modes: Indices) -> NDArray[np.bool_]:
+    """Whether each motion of these `modes` (n,) is backward; turns on the spot, and the way onto the lattice, belong to
+    what follows them."""
+    driven = np.flatnonzero(modes != STAND)
+    if len(driven) == 0:
+        return np.zeros(len(modes), dtype=bool)
+    following = driven[np.minimum(np.searchsorted(driven, np.arange(len(modes))), len(driven) - 1)]
+    return np.asarray(modes[following] == BACKWARD)

@@ -28,7 +28,7 @@ _LONGEST_LAG = 0.3  # [s] that is waited for: a roll is learned as lag, too
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
 _LEARNT = 4  # moves after which what the chair makes of them should be known
 _DRIVES_ON = 2  # times in an attempt that the chair drives on to a dock that it has stopped before
-_FAR_BEFORE = 0.012  # [m] before the dock from which on it has way enough to drive on
+_BEFORE, _WAY_ON = 0.0045, 0.012  # [m] before the dock, and way to drive for it, from which on it drives on
 _OPENED = 0.5  # [s] without contact: no mere bounce of it
 _VERDICTS = {
     Verdict.DOCKED: ResultCode.SUCCESS,
@@ -42,6 +42,7 @@ class AtDock:
     def __init__(self, context: Context) -> None:
         self._context = context
         self._phase, self._rolls, self._driven_on = context.goal.phase, Roll(), 0
+        self._off: float | None = None  # [m] beside where the last stop was to end
         self.restart(context.goal.phase)
 
     def restart(self, phase: Phase) -> None:
@@ -135,9 +136,9 @@ class AtDock:
         """Where the chair stands, `x` [m] in the dock's frame, after a stop that was to end elsewhere, and how it came
         there: a stop that was timed badly ends elsewhere, too."""
         goal = self._context.goal
-        if goal.expected_rest is not None:
-            off = x - goal.expected_rest
-            goal.overshoot = off if abs(off) > _OVERSHOT else 0.0
+        self._off = None if goal.expected_rest is None else x - goal.expected_rest
+        if self._off is not None:
+            goal.overshoot = self._off if abs(self._off) > _OVERSHOT else 0.0
         goal.expected_rest = None
         if self._begun_by in (Phase.FINAL, Phase.CORRECTING) and roll.would_show(self._rolls):
             self._rolls = self._rolls.after(roll.seen)
@@ -157,21 +158,25 @@ class AtDock:
     def _decide(self, error: Array) -> Phase:
         c, verdict = self._context, self._choose(error)
         last = c.goal.retries >= c.parameters.max_retries
+        if verdict in (Correction.STAY, Correction.AGAIN) and self._drives_on(error):
+            self._driven_on += 1
+            if self._off is not None:  # it was faster then: it ran on farther before it rolled back
+                c.goal.overshoot = 0.5 * (self._off + self._rolls.way())
+            return Phase.FINAL
         if verdict is Correction.STAY or (verdict is Correction.AGAIN and last and within(error, c.dock.tolerance)):
             return Phase.VERIFY
-        if verdict is Correction.AGAIN and self._drives_on(error):
-            self._driven_on += 1
-            return Phase.FINAL
         if verdict is Correction.AGAIN:
             return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock" + self._rolls.in_words)
         self._moves, self._moved_from = self._moves + 1, error
         return Phase.CORRECTING
 
     def _drives_on(self, error: Array) -> bool:
-        """Whether all that is wrong is that it stands before the dock: then it need not go back for another attempt."""
+        """Whether all that is wrong is that it stands before the dock, by more than short pushes can mend: then it need
+        not go back for another attempt. What it will roll back gives it way to be steered on."""
         p = self._context.parameters
         aside = abs(error[1]) > p.release_position or abs(error[2]) > p.release_heading
-        return not aside and error[0] < -_FAR_BEFORE and self._driven_on < _DRIVES_ON
+        way = max(0.0, -self._rolls.way()) - float(error[0])
+        return not aside and error[0] < -_BEFORE and way > _WAY_ON and self._driven_on < _DRIVES_ON
 
     def _choose(self, error: Array) -> Correction:
         """What is to be done; `_fine_move` is the move, if one is."""
