@@ -106,7 +106,7 @@ class Actuation:
         """
         drive, wanted = self._history.drive, self._possible(*wanted, slow)
         turning = wanted[1] - drive.curvature * wanted[0] if wanted[1] != 0.0 or planned else 0.0
-        turning += self._counteraction.value if planned else 0.0
+        turning += self._counteraction.value if planned and slow else 0.0  # on the way there a delay looks like it
         v = self._v.command(wanted[0], drive.v, period, steady=True)
         omega = self._omega.command(turning, drive.omega, period, steady=False)
         v, omega = clamp(self._chair, v, omega, self._sent.last or before, period, slow)
