@@ -15,6 +15,20 @@ def test_nothing_is_known_before_the_first_move() -> None:
     assert effects.turn_of_push(-0.01) == 0.0 and not effects.shifts(0.0)
 
 
+def test_turns_that_hardly_turn_the_chair_are_named() -> None:
+    """Of two in a row, whatever is pushed between; one that turns it takes that back, a small error says nothing."""
+    effects, off = AfterEffects(), np.array([0.0, 0.0, 0.05])
+    effects.learn(True, off, off - [0.0, 0.0, 0.004])
+    assert effects.in_words == ""
+    effects.learn(False, off, off + [0.01, 0.0, 0.0])
+    effects.learn(True, off, off)
+    assert "2 turns on the spot" in effects.in_words
+    effects.learn(True, off, off - [0.0, 0.0, 0.02])
+    for _ in range(2):
+        effects.learn(True, 0.1 * off, 0.1 * off)
+    assert effects.in_words == ""
+
+
 def test_the_turn_per_metre_of_a_push_is_learned() -> None:
     effects = AfterEffects()
     effects.learn(False, np.array([-0.02, 0.0, -0.02]), np.array([-0.01, 0.0, -0.026]))

@@ -194,6 +194,24 @@ def test_runaway(make_world) -> None:
     assert "is asked for" in result.text and world.truth[0] < -0.4
 
 
+def test_a_chair_that_its_motors_push_over_a_sill_goes_on(make_world) -> None:
+    """It hangs, is let go with twice its speed, and its motors catch it within 0.3 s, as a tester's chair did."""
+    times = [0.0, 0.2, 0.3, 0.5, 0.59, 0.69, 0.78, 0.83, 0.93, 1.03]
+    speeds = [1.0, 0.3, 0.1, 0.3, 0.6, 1.4, 2.5, 2.4, 1.7, 1.2]  # times that before the sill
+    world, fault = driving(make_world, (-1.0, 0.0, 0.0), -0.2)
+
+    def over_the_sill(world, v, omega):
+        since = world.now - fault.since
+        if not 0.0 < since < times[-1]:
+            return v, omega
+        world.v = fault.speeds[0] * float(np.interp(since, times, speeds))
+        return world.v, omega
+
+    world.moves = over_the_sill
+    fault.begin()
+    assert world.run(1.3).result is None and world.truth[0] > -0.15
+
+
 def test_a_chair_that_moves_though_zero_is_asked(make_world) -> None:
     world = make_world((-2.0, 0.0, 0.0), seen=lambda w: False)
     world.tick()

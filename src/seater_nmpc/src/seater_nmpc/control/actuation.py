@@ -9,6 +9,7 @@ from dataclasses import replace
 from seater_common.geometry import Chair
 from seater_nmpc.control.limits import clamp, largest_speeds
 from seater_nmpc.drive.axis import AxisDrive
+from seater_nmpc.drive.counteraction import Counteraction
 from seater_nmpc.drive.curvature import CurvatureEstimator
 from seater_nmpc.drive.modulator import Modulator
 from seater_nmpc.drive.response import Expected, ResponseEstimator, better
@@ -36,7 +37,7 @@ class Actuation:
         self._delay = self._estimate_v.delays.index(history.delay)  # these are believed in
         self._lag_v = self._estimate_v.lags.index(drive.lag_v)
         self._lag_omega = self._estimate_omega.lags.index(drive.lag_omega)
-        self._curvature = CurvatureEstimator()
+        self._curvature, self._counteraction = CurvatureEstimator(), Counteraction()
         self._stamp: float | None = None
         self._planned = -math.inf  # when a command of a plan was sent last
 
@@ -47,6 +48,7 @@ class Actuation:
         self._omega.reset()
         self._estimate_v.restart()
         self._estimate_omega.restart()
+        self._counteraction.end()
         self._stamp = None
 
     def measured(self, stamp: float, v: float, omega: float, *, rolling: bool = True) -> None:
@@ -72,6 +74,9 @@ class Actuation:
         if planned and abs(v) >= _DRIVING:
             self._curvature.add(self._estimate_omega.difference(), v, duration)
             self._history.drive.curvature = self._curvature.value
+            self._counteraction.add(self._estimate_omega.difference(), duration)
+        else:
+            self._counteraction.end()
 
     def _learn(self, duration: float) -> None:
         """Deadbands at once, times and gains slowly: the plan rests on them."""
@@ -101,6 +106,7 @@ class Actuation:
         """
         drive, wanted = self._history.drive, self._possible(*wanted, slow)
         turning = wanted[1] - drive.curvature * wanted[0] if wanted[1] != 0.0 or planned else 0.0
+        turning += self._counteraction.value if planned and slow else 0.0  # on the way there a delay looks like it
         v = self._v.command(wanted[0], drive.v, period, steady=True)
         omega = self._omega.command(turning, drive.omega, period, steady=False)
         v, omega = clamp(self._chair, v, omega, self._sent.last or before, period, slow)

@@ -28,6 +28,9 @@ _STANDS = (0.004, 0.04)  # [m, rad] farthest that a blocked chair is moved meanw
 _AGAINST = ((0.03, 0.04), (0.2, 0.08))  # [m/s, rad/s] per axis: asked for at least, driven the other way at least
 _DISOBEYS = 0.6  # times its speed: a chair that is asked for less than this all the while should slow down
 _BRAKES = ((0.25, 0.02), (0.25, 0.05))  # [s, m/s or rad/s] per axis: a chair that slows down by this obeys
+# Motors that have pushed a chair over a sill let it go for a moment: one that slows down by this share of its peak has
+# so much longer [s].
+_SLOWED, _LET_GO = 0.1, 0.3
 
 
 @dataclass(frozen=True)
@@ -101,7 +104,7 @@ class Response:
             size = abs(speeds[axis]) - turning - excess[axis]
             disobeys = max(asked, default=0.0) < _DISOBEYS * abs(speeds[axis]) and not self._braking(now, axis)
             beyond = size > self._bounds[axis] or (size > _DISOBEYS * excess[axis] and disobeys)
-            if self._lasts(now, axis, beyond, p.runaway_time):
+            if self._lasts(now, axis, beyond, p.runaway_time + self._let_go(now, axis)):
                 text = f"{name} at {speeds[axis]:.2f} {unit} though at most {max(asked, default=0.0):.2f} is asked for"
                 return Contradiction(Kind.RUNAWAY, f"{text} (motor controller, brake, or somebody pushes?)")
         return None
@@ -122,6 +125,12 @@ class Response:
         duration, least = _BRAKES[axis]
         before = next((m for m in reversed(self._measured) if m.stamp <= now - duration), self._measured[0])
         return abs(before.speeds[axis]) - abs(self._measured[-1].speeds[axis]) >= least
+
+    def _let_go(self, now: float, axis: int) -> float:
+        """[s] that a chair has which slows down from a peak."""
+        duration, least = _BRAKES[axis]
+        recent = [abs(m.speeds[axis]) for m in self._measured if m.stamp >= now - duration]
+        return _LET_GO if max(recent) - recent[-1] >= max(least, _SLOWED * max(recent)) else 0.0
 
     def _lasts(self, now: float, which: int, wrong: bool, duration: float) -> bool:
         if not wrong:

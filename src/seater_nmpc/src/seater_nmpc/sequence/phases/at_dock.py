@@ -166,7 +166,8 @@ class AtDock:
         if verdict is Correction.STAY or (verdict is Correction.AGAIN and last and within(error, c.dock.tolerance)):
             return Phase.VERIFY
         if verdict is Correction.AGAIN:
-            return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock" + self._rolls.in_words)
+            why = self._rolls.in_words + self._after_effects.in_words
+            return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock" + why)
         self._moves, self._moved_from = self._moves + 1, error
         return Phase.CORRECTING
 

@@ -19,6 +19,8 @@ _SHORTEST = 0.002  # [m] of a push, from which its turn per metre is learned
 _MOST = (3.0, 0.03)  # [rad/m, m] that is believed
 _PUSHED = 0.3  # [s] about
 _NEWEST = 0.5  # weight of the newest move
+_HELD, _HELD_FROM = 0.15, 0.01  # share of an error of so many [rad], at least, that a turn mends: less, and it was held
+_HELD_TURNS = 2  # in a row
 
 
 class AfterEffects:
@@ -28,14 +30,24 @@ class AfterEffects:
         self.turn_per_way: float | None = None  # [rad/m] of a push
         self.roll = Roll()  # as stops have shown
         self._way_per_turn: float | None = None  # [m] of a turn on the spot
+        self._held = 0  # turns in a row that hardly turned the chair
 
     def learn(self, turning: bool, before: Array, after: Array) -> None:
         """A move has brought the chair from one error to the other; it has rolled meanwhile."""
         way, turn = float(after[0] - before[0]), wrap_angle(float(after[2] - before[2]))
         if turning:
             self._way_per_turn = _mean(self._way_per_turn, way, _MOST[1])
+            held = abs(before[2]) >= _HELD_FROM and abs(turn) < _HELD * abs(before[2])
+            self._held = self._held + 1 if held else 0
         elif abs(way) >= _SHORTEST:
             self.turn_per_way = _mean(self.turn_per_way, (turn - self.roll.turn(_PUSHED)) / way, _MOST[0])
+
+    @property
+    def in_words(self) -> str:
+        """For the text of a result; empty where turns on the spot turn the chair."""
+        if self._held < _HELD_TURNS:
+            return ""
+        return f", as {self._held} turns on the spot in a row hardly moved it (castors, soft floor, weak motors?)"
 
     @property
     def way_per_turn(self) -> float:
