@@ -1,0 +1,75 @@
+"""Whether a chair that is asked to drive more slowly does, by its odometry.
+
+What the motors make of the commands is predicted with the delay, the lag and the gain that were learned on the way, the
+delay taken shorter and longer by what may be wrong with it. Only the change of the speed within a window counts: a
+slope, or a gain that is not quite known, is no disobedience.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from seater_nmpc.observe.prediction import CommandHistory
+
+_UNSURE = (-0.1, 0.0, 0.1)  # [s] added to the learned delay
+# [s], and the [m/s] by which the chair is asked to slow down within it at least. In 99 dockings without a fault (all
+# rows of independent_chair) a chair was behind what it was asked by 0.024 m/s at most in 0.3 s, once it drove.
+_WINDOWS = ((0.3, 0.05), (0.4, 0.06))
+_FOLLOWS = 0.4  # times what it is asked to: it slows down by at least this, over the window or its second half
+_BEYOND = 0.03  # [m/s] faster than predicted, whatever the delay
+_DRIVES = 0.1  # [m/s] below, a chair that starts is slower than the prediction of a delay that is not learned yet
+_MEMORY = 1.0  # [s]
+_SAME_TIME = 1e-6  # [s]
+
+
+@dataclass(frozen=True)
+class _Moment:
+    stamp: float
+    speed: float
+    predicted: tuple[float, ...]  # for each delay
+
+
+class Slowing:
+    """Tell it the speed in each cycle."""
+
+    def __init__(self, history: CommandHistory) -> None:
+        self._history = history
+        self.restart()
+
+    def restart(self) -> None:
+        """What came before does not count."""
+        self._moments: deque[_Moment] = deque()
+
+    def keeps(self, now: float, speed: float, asked: Callable[[float], float]) -> float | None:
+        """The speed [m/s] that was to be expected of a chair that drives at `speed` at message time `now` [s] and does
+        not slow down; None: it obeys, or it is not known. `asked(stamp)`: the speed asked for at that time."""
+        delay, drive = self._history.delay, self._history.drive
+        targets = tuple(drive.v.effective(asked(now - max(0.0, delay + more))) for more in _UNSURE)
+        last = self._moments[-1] if self._moments else _Moment(now, speed, targets)
+        decay = math.exp(-max(now - last.stamp, 0.0) / max(drive.lag_v, _SAME_TIME))
+        predicted = tuple(t + (before - t) * decay for t, before in zip(targets, last.predicted, strict=True))
+        newest = _Moment(now, speed, predicted)
+        self._moments.append(newest)
+        while self._moments[0].stamp < now - _MEMORY:
+            self._moments.popleft()
+        forward = math.copysign(1.0, speed)
+        expected = max(forward * one for one in predicted)
+        if abs(speed) < _DRIVES or abs(speed) < expected + _BEYOND:
+            return None
+        keeps = any(self._keeps_over(newest, forward, *window) for window in _WINDOWS)
+        return forward * expected if keeps else None
+
+    def _keeps_over(self, newest: _Moment, forward: float, duration: float, least: float) -> bool:
+        first, middle = (self._at(newest.stamp - share * duration) for share in (1.0, 0.5))
+        if first is None or middle is None:
+            return False
+        slower = min(forward * (p - q) for p, q in zip(first.predicted, newest.predicted, strict=True))
+        # In the second half of the window, too: a late chair may have begun to slow down within it.
+        follows = max(forward * (first.speed - newest.speed), 2.0 * forward * (middle.speed - newest.speed))
+        return slower >= least and follows < _FOLLOWS * slower
+
+    def _at(self, stamp: float) -> _Moment | None:
+        return next((m for m in reversed(self._moments) if m.stamp <= stamp + _SAME_TIME), None)

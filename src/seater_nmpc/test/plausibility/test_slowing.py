@@ -1,0 +1,71 @@
+"""A chair that is told to slow down: one that does, late or by too little, and one that does not."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import pytest
+
+from seater_nmpc.observe.prediction import CommandHistory
+from seater_nmpc.parameters import Prediction
+from seater_nmpc.plausibility.slowing import Slowing
+
+CYCLE, BEGINS = 0.05, 2.0  # [s]
+DELAY, LAG = 0.2, 0.25  # [s] believed
+
+
+def asked(stamp: float) -> float:
+    """0.6 m/s, from 2 s on 0.3 m/s^2 less, down to 0.15 m/s: into a bay."""
+    return max(0.15, 0.6 - 0.3 * max(0.0, stamp - BEGINS))
+
+
+def noticed(delay: float = DELAY, lag: float = LAG, share: float = 1.0, keeps: float = 0.0, hill: float = 0.0) -> float:
+    """When [s] it is noticed that a chair does not slow down; infinite: never. Its motors have this delay and lag, do
+    `share` of the slowing down that they are asked for, and keep to the speed `keeps` [m/s] at least; it is `hill`
+    [m/s] faster than asked."""
+    slowing = Slowing(CommandHistory(Prediction(command_delay=DELAY, motor_lag=LAG)))
+    speed = asked(0.0)
+    for cycle in range(1, 100):
+        now = CYCLE * cycle
+        told = 0.6 - share * (0.6 - asked(now - delay))
+        speed += (max(told, keeps) - speed) * (1.0 - math.exp(-CYCLE / lag))
+        if slowing.keeps(now, speed + hill, asked) is not None:
+            return now
+    return math.inf
+
+
+def test_one_that_keeps_its_speed_is_noticed_within_half_a_second_of_when_it_should_have_slowed_down() -> None:
+    """Commands act after the delay and the lag: 0.3 s of that are a window."""
+    assert BEGINS + DELAY + LAG < noticed(keeps=0.6) < BEGINS + DELAY + LAG + 0.4
+    assert noticed(share=0.2) < BEGINS + DELAY + LAG + 0.5
+    # It drives as asked until 0.4 m/s, 0.67 s later.
+    assert BEGINS + 0.6 + DELAY + LAG < noticed(keeps=0.4) < BEGINS + 0.6 + DELAY + LAG + 0.5
+
+
+@pytest.mark.parametrize(
+    "chair",
+    [
+        {},
+        {"delay": DELAY + 0.1},
+        {"delay": DELAY - 0.1},
+        {"lag": 2.0 * LAG},
+        {"share": 0.6},
+        {"hill": 0.08},
+        {"delay": DELAY + 0.1, "lag": 1.5 * LAG, "hill": 0.05},
+    ],
+)
+def test_one_that_obeys_is_not(chair: dict[str, float]) -> None:
+    assert noticed(**chair) == math.inf
+
+
+def test_backward_is_the_same() -> None:
+    """And what was expected has the sign of the way it drives."""
+    slowing, back = Slowing(CommandHistory(Prediction(command_delay=DELAY, motor_lag=LAG))), mirrored(asked)
+    found = [slowing.keeps(CYCLE * cycle, -0.6, back) for cycle in range(1, 100)]
+    assert found[: int(BEGINS / CYCLE)] == [None] * int(BEGINS / CYCLE)
+    assert any(one is not None and -0.6 < one < -0.15 for one in found)
+
+
+def mirrored(of: Callable[[float], float]) -> Callable[[float], float]:
+    return lambda stamp: -of(stamp)
