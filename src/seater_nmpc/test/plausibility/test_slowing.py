@@ -7,12 +7,17 @@ from collections.abc import Callable
 
 import pytest
 
+from seater_common.geometry import Chair
 from seater_nmpc.observe.prediction import CommandHistory
 from seater_nmpc.parameters import Prediction
 from seater_nmpc.plausibility.slowing import Slowing
 
 CYCLE, BEGINS = 0.05, 2.0  # [s]
 DELAY, LAG = 0.2, 0.25  # [s] believed
+
+
+def begun() -> Slowing:
+    return Slowing(CommandHistory(Prediction(command_delay=DELAY, motor_lag=LAG)), Chair().limits)
 
 
 def asked(stamp: float) -> float:
@@ -24,7 +29,7 @@ def noticed(delay: float = DELAY, lag: float = LAG, share: float = 1.0, keeps: f
     """When [s] it is noticed that a chair does not slow down; infinite: never. Its motors have this delay and lag, do
     `share` of the slowing down that they are asked for, and keep to the speed `keeps` [m/s] at least; it is `hill`
     [m/s] faster than asked."""
-    slowing = Slowing(CommandHistory(Prediction(command_delay=DELAY, motor_lag=LAG)))
+    slowing = begun()
     speed = asked(0.0)
     for cycle in range(1, 100):
         now = CYCLE * cycle
@@ -59,9 +64,21 @@ def test_one_that_obeys_is_not(chair: dict[str, float]) -> None:
     assert noticed(**chair) == math.inf
 
 
+@pytest.mark.parametrize("later", [0.0, 0.1, 0.2])
+def test_one_that_is_told_to_stop_at_once_brakes_as_it_can(later: float) -> None:
+    """Its delay had been learned too short, and zero was asked for at 0.55 m/s: four of twelve dockings with one marker
+    ended with RUNAWAY."""
+    slowing, speed = begun(), 0.55
+    for cycle in range(1, 100):
+        now = CYCLE * cycle
+        braking = now > BEGINS + DELAY + later
+        speed -= min(speed, 0.4 * CYCLE) if braking else 0.0
+        assert slowing.keeps(now, speed, lambda stamp: 0.0 if stamp >= BEGINS else 0.55) is None
+
+
 def test_backward_is_the_same() -> None:
     """And what was expected has the sign of the way it drives."""
-    slowing, back = Slowing(CommandHistory(Prediction(command_delay=DELAY, motor_lag=LAG))), mirrored(asked)
+    slowing, back = begun(), mirrored(asked)
     found = [slowing.keeps(CYCLE * cycle, -0.6, back) for cycle in range(1, 100)]
     assert found[: int(BEGINS / CYCLE)] == [None] * int(BEGINS / CYCLE)
     assert any(one is not None and -0.6 < one < -0.15 for one in found)
