@@ -2,8 +2,8 @@
 
 What the motors make of the commands is predicted with the delay, the lag and the gain that were learned on the way, the
 delay taken shorter and longer by what may be wrong with it. Only the change of the speed within a window counts: a
-slope, or a gain that is not quite known, is no disobedience. Nor is a stop that takes as long as brakes take: it counts
-as a speed that falls evenly.
+slope, or a gain that is not quite known, is no disobedience. Nor is a stop that takes as long as brakes take, nor what
+follows it: a chair may slow down at once, or evenly.
 """
 
 from __future__ import annotations
@@ -16,12 +16,13 @@ from dataclasses import dataclass
 from seater_common.geometry import Limits
 from seater_nmpc.observe.prediction import CommandHistory
 
-_UNSURE = (-0.1, 0.0, 0.1)  # [s] added to the learned delay
+_DELAYS = (-0.1, 0.0, 0.1)  # [s] added to the learned one
+_BRAKES = (0.6, math.inf)  # times a_max: how fast a chair that is told to stop at once slows down
+_GUESSES = [(delay, brakes) for delay in _DELAYS for brakes in _BRAKES]
 # [s], and the [m/s] by which the chair is asked to slow down within it at least. In 99 dockings without a fault (all
 # rows of independent_chair) a chair was behind what it was asked by 0.024 m/s at most in 0.3 s, once it drove.
 _WINDOWS = ((0.3, 0.05), (0.4, 0.06))
 _FOLLOWS = 0.4  # times what it is asked to: it slows down by at least this, over the window or its second half
-_BRAKES = 0.6  # times a_max: a chair that is told to stop at once slows down by at least this
 _BEYOND = 0.03  # [m/s] faster than predicted, whatever the delay
 _DRIVES = 0.1  # [m/s] below, a chair that starts is slower than the prediction of a delay that is not learned yet
 _MEMORY = 1.0  # [s]
@@ -32,7 +33,7 @@ _SAME_TIME = 1e-6  # [s]
 class _Moment:
     stamp: float
     speed: float
-    targets: tuple[float, ...]  # for each delay, what the motors follow
+    targets: tuple[float, ...]  # for each guess, what the motors follow
     predicted: tuple[float, ...]  # and what they make of it
 
 
@@ -40,7 +41,7 @@ class Slowing:
     """Tell it the speed in each cycle."""
 
     def __init__(self, history: CommandHistory, limits: Limits) -> None:
-        self._history, self._rate = history, _BRAKES * limits.a_max
+        self._history, self._rates = history, [brakes * limits.a_max for _, brakes in _GUESSES]
         self.restart()
 
     def restart(self) -> None:
@@ -63,11 +64,12 @@ class Slowing:
 
     def _moment(self, now: float, speed: float, asked: Callable[[float], float]) -> _Moment:
         delay, drive = self._history.delay, self._history.drive
-        wanted = tuple(drive.v.effective(asked(now - max(0.0, delay + more))) for more in _UNSURE)
+        wanted = tuple(drive.v.effective(asked(now - max(0.0, delay + more))) for more, _ in _GUESSES)
         last = self._moments[-1] if self._moments else _Moment(now, speed, wanted, wanted)
         elapsed = max(now - last.stamp, 0.0)
         decay = math.exp(-elapsed / max(drive.lag_v, _SAME_TIME))
-        targets = tuple(_slower(a, b, self._rate * elapsed) for a, b in zip(last.targets, wanted, strict=True))
+        steps = zip(last.targets, wanted, self._rates, strict=True)
+        targets = tuple(b if elapsed == 0.0 else _slower(a, b, rate * elapsed) for a, b, rate in steps)
         predicted = tuple(t + (before - t) * decay for t, before in zip(targets, last.predicted, strict=True))
         return _Moment(now, speed, targets, predicted)
 
