@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 import rospy
 from amount import EPISODES, PER_EPISODE
-from drive import Drive
+from drive import STEP, Drive
 from geometry_msgs.msg import Point32, Polygon, PoseStamped
 from hostile import Hostile
 from stand import Stand
@@ -109,6 +109,27 @@ def test_one_unusable_odometry_from_the_future_blocks_nothing(stand: Stand) -> N
     stand.deliver("odom", message)
     drive.advance(0.5)
     assert drive.docks(RECOVERS), last(stand)
+
+
+@pytest.mark.parametrize("frame", ["header", "child"])
+def test_odometry_of_another_body_or_frame_ends_the_goal(stand: Stand, frame: str) -> None:
+    """It named the front of the chair instead of base_link, and the docking asked whether the dock had been moved."""
+    drive = Drive(stand)
+    assert drive.docks(RECOVERS), last(stand)
+    drive.advance(STEP)
+    message = drive.odometry()
+    message.header.stamp += rospy.Duration(0, 10000000)
+    if frame == "header":
+        message.header.frame_id = "map"
+    else:
+        message.child_frame_id = "chair_front"
+    stand.deliver("odom", message)
+    assert (stand.results[-1].result_code, stand.active) == (DockResult.ODOMETRY_WRONG, False)
+    assert "two nodes" in last(stand) and stand.sent["velocity_request"][-1].twist.linear.x == 0.0
+    drive.begin()
+    drive.advance(0.5)
+    assert drive.docks(RECOVERS), last(stand)
+    stand.node._abort(ResultCode.CANCELED, "the test ends")
 
 
 def test_after_a_pause_only_the_newest_odometry_moves_the_chair(stand: Stand) -> None:

@@ -12,6 +12,8 @@ namespace {
 
 // Longest time for which the speed may change in one call: a pause must not become a jump of speed.
 constexpr double kLongestStep = 0.1;  // [s]
+// Silence of cmd_vel after which a base stops by itself (docs/safety.md, base driver).
+constexpr double kSilence = 0.3;  // [s]
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
@@ -188,8 +190,13 @@ Velocity VelocityGate::output(double now) {
   notice(now);
   const Velocity asked = wanted(now);
   const GateParameters& p = parameters_;
+  const bool silent = now - last_time_ > kSilence;  // this process stood still; what it sent last is over
+  if (silent) {
+    linear_.drop();
+    angular_.drop();
+  }
   // A late clock gives no time to change the speed in.
-  const double step = std::clamp(now - last_time_, 0.0, kLongestStep);
+  const double step = silent ? 0.0 : std::clamp(now - last_time_, 0.0, kLongestStep);
   const double zone = zone_.limit(now, linear_.speed(), p.a_max * step, consent_.held() ? armed_time_ : kNever);
   const Velocity bounded{std::clamp(asked.linear, -std::min(zone, p.v_reverse_max), std::min(zone, p.v_max)),
                          std::clamp(asked.angular, -p.omega_max, p.omega_max)};

@@ -206,6 +206,7 @@ class Sequence {
   std::string step(double duration) {
     if (!wrong_.empty()) return wrong_;
     now_ += duration;
+    duration_ = duration;
     const Velocity output = gate_.output(now_);
     model_.look(now_);
     if (!model_.stopped(now_) && model_.userDrives(now_)) model_.powerless = false;
@@ -216,6 +217,7 @@ class Sequence {
 
   std::string judge(const Velocity& output, double duration) const {
     const GateParameters& p = parameters_;
+    if (duration_ > 0.3) return output.linear == 0.0 && output.angular == 0.0 ? "" : "drives on after a silence";
     if (!std::isfinite(output.linear) || !std::isfinite(output.angular)) return "not finite";
     if (output.linear > p.v_max || output.linear < -p.v_reverse_max) return "too fast";
     if (std::abs(output.angular) > p.omega_max) return "turns too fast";
@@ -251,7 +253,7 @@ class Sequence {
   GateParameters parameters_;
   VelocityGate gate_;
   Model model_;
-  double now_ = 0.0;
+  double now_ = 0.0, duration_ = 0.0;  // [s] the last step's
   Velocity previous_;
   std::string wrong_;
 };

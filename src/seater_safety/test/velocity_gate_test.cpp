@@ -82,6 +82,22 @@ TEST(VelocityGate, APauseIsNoLicenceToJump) {
   EXPECT_LE(gate.output(100.0).linear, 0.05 + 1e-12);
 }
 
+// Its process stood still for 3 s and went on: the chair, which had stopped by itself, drove on from 0.3 m/s downward.
+TEST(VelocityGate, AfterASilenceThatStopsTheBaseItBeginsAtZero) {
+  const GateParameters p;
+  for (const double asked : {0.0, 0.6}) {
+    VelocityGate gate{p};
+    double now = 0.0;
+    EXPECT_GT(hold(gate, now, 2.0, {0.6, 0.5}).linear, 0.5);
+    now += 0.35;
+    gate.request(now, kDocking, {asked, asked});
+    const Velocity output = gate.output(now);
+    EXPECT_EQ(output.linear, 0.0);
+    EXPECT_EQ(output.angular, 0.0);
+    EXPECT_LE(hold(gate, now, 0.1, {asked, asked}).linear, 0.1 * p.a_max);
+  }
+}
+
 TEST(VelocityGate, StopsWhenRequestsEnd) {
   const GateParameters p;
   VelocityGate gate{p};

@@ -93,6 +93,19 @@ def test_odometry_that_measures_wrongly() -> None:
     assert (still.v, still.omega) == (0.0, 0.0) and np.array_equal(still.pose, LATER.pose)
 
 
+def test_odometry_now_and_then() -> None:
+    fault = OdometryFault()
+    fault.set("slow", (1.0,))
+    sent = [fault.apply(replace(SAMPLE, time_ns=20_000_000 * k)) for k in range(151)]
+    assert [k for k, one in enumerate(sent) if one is not None] == [0, 50, 100, 150]
+
+
+def test_odometry_of_another_body_says_so() -> None:
+    ahead = changed("other_frame", 0.3)
+    assert ahead is not None and ahead.frame == "chair_front" and SAMPLE.frame == "base_link"
+    assert ahead.pose == pytest.approx([1.0, 2.8, 0.5 * math.pi])
+
+
 def test_a_jump_stays_when_the_odometry_is_whole_again() -> None:
     fault = OdometryFault()
     fault.set("jump", (0.5, 0.0, 0.0))
@@ -112,7 +125,9 @@ def test_what_the_camera_sees_from_where() -> None:
     fault.set("nan", ())
     assert fault.mode == NAN and np.array_equal(fault.seen_from(pose), pose)
     fault.set("late", (0.4,))
-    assert fault.delay == 0.4
+    assert (fault.delay, fault.period) == (0.4, 0.0)
+    fault.set("slow", (1.0,))
+    assert (fault.delay, fault.period) == (0.0, 1.0)
 
 
 def test_a_wrong_focal_length_keeps_the_principal_point() -> None:
@@ -125,3 +140,8 @@ def test_a_wrong_focal_length_keeps_the_principal_point() -> None:
     for matrix in (told.K, told.P):
         assert (matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]) == pytest.approx((660.0, 660.0, 320.0, 240.0))
     assert model.K[0, 0] == 600.0
+    fault.set("resized", (0.5,))
+    told = fault.told(model)
+    assert (told.width, told.height, told.K[0, 0], told.P[1, 2]) == (320, 240, 300.0, 120.0)
+    fault.set("nan_distortion", ())
+    assert np.isnan(fault.told(model).D).tolist() == [True, False, False, False, False]

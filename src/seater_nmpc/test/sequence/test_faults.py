@@ -190,8 +190,8 @@ def test_runaway(make_world) -> None:
     world, fault = driving(make_world, (-2.0, 0.0, 0.0), -1.3)
     world.moves = fault.runs_away
     fault.begin()
-    result = ends(world, ResultCode.RUNAWAY, 2.5)
-    assert "is asked for" in result.text and world.truth[0] < -0.4
+    result = ends(world, ResultCode.RUNAWAY, 0.8)
+    assert "it was asked to slow down to" in result.text and world.truth[0] < -0.9
 
 
 def test_a_chair_that_its_motors_push_over_a_sill_goes_on(make_world) -> None:

@@ -1,8 +1,6 @@
 #include <cv_bridge/cv_bridge.h>
 #include <image_transport/camera_common.h>
 #include <image_transport/image_transport.h>
-#include <message_filters/subscriber.h>
-#include <message_filters/time_synchronizer.h>
 #include <nodelet/nodelet.h>
 #include <tf2_ros/transform_listener.h>
 
@@ -13,6 +11,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "dock_choice.h"
+#include "image_pairs.h"
 #include "odometry_motion.h"
 #include "ros_diagnostics.h"
 #include "ros_messages.h"
@@ -58,8 +57,6 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
       transforms_ = std::make_unique<tf2_ros::TransformListener>(tf_buffer_, nh);
       odometry_ = std::make_unique<OdometryMotion>(tf_buffer_, parameters_.odometry_frame);
     }
-    compressed_.registerCallback([this](const sensor_msgs::CompressedImageConstPtr&) { stamps_.image(); });
-    info_.registerCallback([this](const sensor_msgs::CameraInfoConstPtr&) { stamps_.info(); });
     if (!parameters_.lazy) subscribe();
   }
 
@@ -76,50 +73,60 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   void subscribe() {
     forget();
     ros::NodeHandle& nh = getNodeHandle();
+    const ros::TransportHints tcp = ros::TransportHints().tcpNoDelay();
+    const std::string image = nh.resolveName("image");
     if (parameters_.image_transport == "raw") {
-      const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), getPrivateNodeHandle());
-      camera_ = transport_->subscribeCamera("image", 1, &MarkerDetectorNodelet::onImage, this, hints);
+      const image_transport::TransportHints hints("raw", tcp, getPrivateNodeHandle());
+      raw_ = transport_->subscribe("image", 1, &MarkerDetectorNodelet::onRaw, this, hints);
     } else {
-      const std::string image = nh.resolveName("image");
-      compressed_.subscribe(nh, image + "/compressed", 1, ros::TransportHints().tcpNoDelay());
-      info_.subscribe(nh, image_transport::getCameraInfoTopic(image), 1, ros::TransportHints().tcpNoDelay());
-      synchroniser_ = std::make_unique<Synchroniser>(compressed_, info_, 2);
-      synchroniser_->registerCallback(&MarkerDetectorNodelet::onCompressed, this);
-      // image_transport does the same for raw images.
-      stamp_timer_ = nh.createWallTimer(ros::WallDuration(kStampPeriod), &MarkerDetectorNodelet::checkStamps, this);
+      compressed_ = nh.subscribe(image + "/compressed", 1, &MarkerDetectorNodelet::onCompressed, this, tcp);
     }
+    info_ = nh.subscribe(image_transport::getCameraInfoTopic(image), 1, &MarkerDetectorNodelet::onInfo, this, tcp);
+    stamp_timer_ = nh.createWallTimer(ros::WallDuration(kStampPeriod), &MarkerDetectorNodelet::checkStamps, this);
     subscribed_ = true;
     diagnostics_->setListening(true, nh.resolveName("image"));
   }
 
   void unsubscribe() {
-    camera_.shutdown();
     stamp_timer_.stop();
-    synchroniser_.reset();
-    compressed_.unsubscribe();
-    info_.unsubscribe();
+    raw_.shutdown();
+    compressed_.shutdown();
+    info_.shutdown();
+    raw_pairs_.clear();
+    compressed_pairs_.clear();
     subscribed_ = false;
     diagnostics_->setListening(false, "");
   }
 
-  void onImage(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info) {
+  void onRaw(const sensor_msgs::ImageConstPtr& image) {
+    stamps_.image();
+    take(raw_pairs_.image(image));
+  }
+
+  void onCompressed(const sensor_msgs::CompressedImageConstPtr& image) {
+    stamps_.image();
+    take(compressed_pairs_.image(image));
+  }
+
+  void onInfo(const sensor_msgs::CameraInfoConstPtr& info) {
+    stamps_.info();
+    take(raw_pairs_.info(info));
+    take(compressed_pairs_.info(info));  // no image of one of them ever comes
+  }
+
+  template <typename Pair>
+  void take(const std::optional<Pair>& pair) {
+    if (!pair) return;
+    stamps_.pair();
     guarded([&](const Clock::time_point& begin) {
-      followCalibration(*info);
-      process(toGrey(*image), image->header, begin);
+      followCalibration(*pair->second);
+      process(toGrey(*pair->first), pair->first->header, begin);
     });
   }
 
   void checkStamps(const ros::WallTimerEvent&) {
-    const auto text = stamps_.takeWarning(compressed_.getTopic(), info_.getTopic(), kStampPeriod);
+    const auto text = stamps_.takeWarning(getNodeHandle().resolveName("image"), info_.getTopic(), kStampPeriod);
     if (text) NODELET_WARN("%s", text->c_str());
-  }
-
-  void onCompressed(const sensor_msgs::CompressedImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info) {
-    stamps_.pair();
-    guarded([&](const Clock::time_point& begin) {
-      followCalibration(*info);
-      process(toGrey(*image), image->header, begin);
-    });
   }
 
   /// Another dock is looked for from the next image on, as a first image.
@@ -210,8 +217,6 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     annotated_.publish(cv_bridge::CvImage(header, "bgr8", image).toImageMsg());
   }
 
-  using Synchroniser = message_filters::TimeSynchronizer<sensor_msgs::CompressedImage, sensor_msgs::CameraInfo>;
-
   NodeParameters parameters_;
   std::unique_ptr<DockChoice> choice_;
   ros::Subscriber dock_in_use_;
@@ -220,11 +225,11 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   std::mutex connect_mutex_;
   bool subscribed_ = false;
   std::unique_ptr<image_transport::ImageTransport> transport_;
-  image_transport::CameraSubscriber camera_;
-  message_filters::Subscriber<sensor_msgs::CompressedImage> compressed_;
-  message_filters::Subscriber<sensor_msgs::CameraInfo> info_;
-  std::unique_ptr<Synchroniser> synchroniser_;
-  StampCheck stamps_;  // of compressed images
+  image_transport::Subscriber raw_;
+  ros::Subscriber compressed_, info_;
+  ImagePairs<sensor_msgs::ImageConstPtr, sensor_msgs::CameraInfoConstPtr> raw_pairs_;
+  ImagePairs<sensor_msgs::CompressedImageConstPtr, sensor_msgs::CameraInfoConstPtr> compressed_pairs_;
+  StampCheck stamps_;
   ros::WallTimer stamp_timer_;
   ros::Publisher detections_, dock_pose_;
   image_transport::Publisher annotated_;

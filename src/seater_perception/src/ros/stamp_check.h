@@ -6,7 +6,7 @@
 namespace seater_perception {
 
 /// Whether images find their camera_info: both are taken together when their stamps are equal, and otherwise nothing
-/// happens, which nobody notices. The same rule and text as image_transport's for raw images.
+/// happens, which nobody notices. The same rule and text as image_transport's.
 class StampCheck {
  public:
   void image() { ++images_; }

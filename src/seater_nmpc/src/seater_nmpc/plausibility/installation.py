@@ -41,6 +41,9 @@ _CONSTANT = (0.04, 0.04, 0.04)
 _STEP = (0.015, 0.015)  # [m, rad] driven or turned from one image that is used to the next
 _DRIFTS = 0.015  # [rad/s] of a gyro's bias, beyond which values of millimetres are not to be had from its heading
 _FIRST = 0.1  # [m, rad] that the first image may be off the observer's dock
+# [m, rad] by which the observer's dock is another one from one image to the next: the mirror image of one marker, which
+# is metres away beside it. No wrong installation moves it by so much at once.
+_ANOTHER = (0.3, 0.3)
 # What no length of driving makes surer: floors and castors are not quite what drift.py says. In two attempts on patchy
 # floor 22 mm were seen where nothing was wrong, at 6.7 standard deviations without this.
 _MODEL = np.array([0.004, 0.004, 0.0005, 0.001])
@@ -134,6 +137,7 @@ class Installation:
     def restart(self) -> None:
         """Begin anew, with what is known of dockings before."""
         self._last: Instant | None = None
+        self._dock: Array | None = None  # where the observer has had it at the last image
         self._used = 0
         self._mean: list[Array] = []
         self._covariance: list[Array] = []
@@ -142,7 +146,10 @@ class Installation:
 
     def add(self, chair: Instant, offered: list[Measurement], known: Array) -> None:
         """The poses of the dock in odom that an image leaves open; `known` (3,): where the observer has it. Late images
-        and those of a chair that stands are left out."""
+        and those of a chair that stands are left out. Where that is another place than before, all begins anew."""
+        if self._dock is not None and _is_another(known, self._dock):
+            self.restart()
+        self._dock = np.array(known)
         if self._last is None:
             near = [one for one in offered if float(np.abs(difference(one.pose, known)).max()) <= _FIRST]
             if near:
@@ -283,3 +290,8 @@ class Installation:
         B[:2, 2], B[2, 2] = (q[1], -q[0]), -1.0
         B[:2, 3], B[2, 3] = float(a @ r) * a + turn * np.array([-arm[1], arm[0]]), turn
         return B
+
+
+def _is_another(dock: Array, before: Array) -> bool:
+    x, y, turn = difference(dock, before)
+    return math.hypot(x, y) > _ANOTHER[0] or abs(turn) > _ANOTHER[1]

@@ -15,6 +15,7 @@ from seater_nmpc.observe.odometry import OdometryBuffer
 from seater_nmpc.observe.prediction import CommandHistory
 from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Contradiction, Kind
+from seater_nmpc.plausibility.slowing import Slowing
 
 Speeds = tuple[float, float]  # v [m/s], omega [rad/s]
 
@@ -27,6 +28,7 @@ _MEMORY = 5.0  # [s]
 _STANDS = (0.004, 0.04)  # [m, rad] farthest that a blocked chair is moved meanwhile (a gyro's bias turns its odom)
 _AGAINST = ((0.03, 0.04), (0.2, 0.08))  # [m/s, rad/s] per axis: asked for at least, driven the other way at least
 _DISOBEYS = 0.6  # times its speed: a chair that is asked for less than this all the while should slow down
+_KEEPS = 0.1  # [s] how long a chair has to keep a speed that it was to slow down from
 _BRAKES = ((0.25, 0.02), (0.25, 0.05))  # [s, m/s or rad/s] per axis: a chair that slows down by this obeys
 # Motors that have pushed a chair over a sill let it go for a moment: one that slows down by this share of its peak has
 # so much longer [s].
@@ -45,6 +47,7 @@ class Response:
     def __init__(self, history: CommandHistory, limits: Limits, parameters: PlausibilityParameters) -> None:
         self._history, self._parameters = history, parameters
         self._rates = (_SLOWS_DOWN * limits.a_max, _SLOWS_DOWN * limits.alpha_max)
+        self._slowing = Slowing(history, limits)
         self.restart(0.0)
 
     def restart(self, now: float) -> None:
@@ -53,7 +56,9 @@ class Response:
         self._asked: deque[_Asked] = deque()
         self._measured: deque[_Asked] = deque()
         self._bounds = [0.0, 0.0]  # of the speeds, as far as what was asked for explains them
-        self._wrong_since = [math.inf, math.inf, math.inf, math.inf]  # runaway and wrong direction of both axes
+        # Runaway and wrong direction of both axes, and a speed that is kept.
+        self._wrong_since = [math.inf, math.inf, math.inf, math.inf, math.inf]
+        self._slowing.restart()
 
     def asked(self, stamp: float, v: float, omega: float) -> None:
         """What this cycle sends."""
@@ -75,7 +80,9 @@ class Response:
         self._measured.append(_Asked(now, speeds))
         while self._measured[0].stamp < now - _MEMORY:
             self._measured.popleft()
-        found = self._runaway(now, speeds) or self._wrong_direction(now, speeds) or self._blocked(now, odometry)
+        keeps = self._keeps(now, speeds)
+        found = self._runaway(now, speeds) or keeps or self._wrong_direction(now, speeds)
+        found = found or self._blocked(now, odometry)
         self._last = now
         return found
 
@@ -108,6 +115,18 @@ class Response:
                 text = f"{name} at {speeds[axis]:.2f} {unit} though at most {max(asked, default=0.0):.2f} is asked for"
                 return Contradiction(Kind.RUNAWAY, f"{text} (motor controller, brake, or somebody pushes?)")
         return None
+
+    def _keeps(self, now: float, speeds: Speeds) -> Contradiction | None:
+        expected = self._slowing.keeps(now, speeds[0], self._asked_at)
+        if not self._lasts(now, 4, expected is not None, _KEEPS) or expected is None:
+            return None
+        text = f"drives at {speeds[0]:.2f} m/s though it was asked to slow down to {expected:.2f} by now"
+        return Contradiction(Kind.RUNAWAY, f"{text} (motor controller, or brake?)")
+
+    def _asked_at(self, stamp: float) -> float:
+        """The speed that was asked for at a time [s], the first one before that."""
+        earlier = (one.speeds[0] for one in reversed(self._asked) if one.stamp <= stamp)
+        return next(earlier, self._asked[0].speeds[0])
 
     def _wrong_direction(self, now: float, speeds: Speeds) -> Contradiction | None:
         for axis, name, unit in ((0, "drives", "m/s"), (1, "turns", "rad/s")):

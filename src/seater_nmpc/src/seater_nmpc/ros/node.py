@@ -140,19 +140,29 @@ class DockingNode:
             self._in_use.forget()
             self._age.start_anew()
             self._cycle = -1
+        self._note_frames(message)
         odometry = conversions.odometry(message)
         if self._core.sequence.add_odometry(self._core.vehicle.odometry(odometry)):
             self._odometry = odometry
         else:
             rospy.logwarn_throttle(1.0, "odometry refused: not finite, or its stamp %.3f is not newer", stamp)
         self._out.stamp = max(self._out.stamp, message.header.stamp) if self._cycle >= 0 else message.header.stamp
-        self._out.odom_frame = message.header.frame_id or self._out.odom_frame
-        self._out.base_frame = message.child_frame_id or self._out.base_frame
         cycle = math.floor(stamp / self._period + 1e-6)
         if cycle > self._cycle:
             self._cycle = cycle
             if self._age.behind(self._out.stamp) <= self._period:
                 self._control(stamp)
+
+    def _note_frames(self, message: OdometryMsg) -> None:
+        """Odometry of another body, or in another frame, does not go on from where the last one was."""
+        before = self._out.odom_frame, self._out.base_frame
+        frames = message.header.frame_id or before[0], message.child_frame_id or before[1]
+        if self._odometry is not None and frames != before:
+            text = f"the odometry is that of {frames[1]} in {frames[0]}, it was that of {before[1]} in {before[0]}"
+            rospy.logwarn_throttle(1.0, "%s: the dock is forgotten", text)
+            self._abort(ResultCode.ODOMETRY_WRONG, f"{text}: do two nodes publish it?")
+            self._in_use.forget()
+        self._out.odom_frame, self._out.base_frame = frames
 
     def _control(self, now: float) -> None:
         """One control cycle, at the first odometry in each period of message time."""

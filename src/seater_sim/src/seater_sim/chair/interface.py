@@ -30,6 +30,7 @@ class OdometrySample:
     omega: float  # [rad/s]
     pose_covariance: Array  # (3, 3) over (x, y, heading), error since the start
     twist_covariance: Array  # (2, 2) over (v, omega)
+    frame: str = "base_link"  # whose pose it is
 
 
 class Plant(Protocol):

@@ -52,6 +52,11 @@ class CameraFault:
         return {"nan": NAN, "nan_camera_info": NAN_CAMERA_INFO}.get(self._kind, GOOD)
 
     @property
+    def period(self) -> float:
+        """[s] at least from one image to the next."""
+        return self._values[0] if self._kind == "slow" else 0.0
+
+    @property
     def delay(self) -> float:
         """[s] beside the camera's own."""
         return self._values[0] if self._kind == "late" else 0.0
@@ -72,6 +77,10 @@ class CameraFault:
 
     def told(self, model: CameraModel) -> CameraModel:
         """What camera_info says."""
+        if self._kind == "resized":
+            return _resized(model, self._values[0])
+        if self._kind == "nan_distortion":
+            return replace(model, D=np.array([math.nan, *model.D[1:]]))
         if self._kind != "focal":
             return model
         return replace(model, K=_scaled(model.K, self._values[0]), P=_scaled(model.P, self._values[0]))
@@ -82,3 +91,10 @@ def _scaled(matrix: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
     result = matrix.copy()
     result[[0, 1], [0, 1]] *= factor
     return result
+
+
+def _resized(model: CameraModel, factor: float) -> CameraModel:
+    """The same lens before a sensor of so many times the pixels along each side."""
+    K, P = model.K.copy(), model.P.copy()
+    K[:2], P[:2] = factor * K[:2], factor * P[:2]
+    return replace(model, width=round(factor * model.width), height=round(factor * model.height), K=K, P=P)

@@ -49,6 +49,8 @@ ODOMETRY = {
     "scale": Kind("ways are so many times what they are", ("FACTOR",)),
     "jump": Kind("the pose jumps once", ("X [m]", "Y [m]", "HEADING [deg]"), 2),
     "zero_twist": Kind("the twist is zero, the pose goes on"),
+    "slow": Kind("a message now and then", ("PERIOD [s]",)),
+    "other_frame": Kind("of a point ahead of base_link, which child_frame_id says", ("X [m]",)),
 }
 CAMERA = {
     "frozen": Kind("the same picture again and again, with fresh stamps"),
@@ -58,6 +60,9 @@ CAMERA = {
     "nan_camera_info": Kind("good images, a camera matrix full of NaN"),
     "cover": Kind("the markers are hidden by a sheet of cardboard"),
     "late": Kind("images arrive later", ("SECONDS",)),
+    "slow": Kind("an image now and then", ("PERIOD [s]",)),
+    "resized": Kind("camera_info of so many times the image's size", ("FACTOR",)),
+    "nan_distortion": Kind("good images, the distortion's first coefficient is NaN"),
     "dock_moved": Kind("somebody moves the markers, all alike", ("X [m]", "Y [m]", "HEADING [deg]"), 2),
     "knocked": Kind("the camera is turned on its mount", ("YAW [deg]", "PITCH [deg]"), 1),
     "focal": Kind("camera_info's focal length is so many times the true one", ("FACTOR",)),

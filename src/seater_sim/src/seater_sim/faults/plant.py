@@ -54,10 +54,11 @@ class OdometryFault:
         self._values: tuple[float, ...] = ()
         self._moved: NDArray[np.float64] = np.zeros(3)  # from the true odom to the one that jumped
         self._held: OdometrySample | None = None
+        self._sent_ns: int | None = None  # time of the last message that went out
 
     def set(self, kind: str, values: tuple[float, ...]) -> None:
         """Begin a fault, or end it (`clear`); values as `kinds.read` gives them. A jump stays."""
-        self._kind, self._values, self._held = kind, values, None
+        self._kind, self._values, self._held, self._sent_ns = kind, values, None, None
         if kind == "jump":
             self._moved = compose(self._moved, np.array([values[0], values[1], math.radians(values[2])]))
 
@@ -66,8 +67,11 @@ class OdometryFault:
         sample = replace(sample, pose=compose(self._moved, sample.pose))
         kind, held = self._kind, self._held or sample
         self._held = held
-        if kind == "off":
+        if kind == "off" or (kind == "slow" and not self._is_due(sample.time_ns)):
             return None
+        if kind == "other_frame":
+            ahead = np.array([self._values[0], 0.0, 0.0])
+            return replace(sample, pose=compose(sample.pose, ahead), frame="chair_front")
         if kind == "frozen":
             return replace(held, time_ns=sample.time_ns, v=0.0, omega=0.0)
         if kind == "zero_stamps":
@@ -82,3 +86,8 @@ class OdometryFault:
             factor = np.array([self._values[0], self._values[0], 1.0])
             return replace(sample, pose=held.pose + factor * (sample.pose - held.pose), v=self._values[0] * sample.v)
         return sample
+
+    def _is_due(self, time_ns: int) -> bool:
+        due = self._sent_ns is None or time_ns - self._sent_ns >= to_ns(self._values[0])
+        self._sent_ns = time_ns if due else self._sent_ns
+        return due

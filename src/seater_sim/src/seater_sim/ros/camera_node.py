@@ -38,6 +38,7 @@ class CameraNode:
         self._ids = frozenset(marker.id for marker in options.dock.markers)
         self._truth: Odometry | None = None
         self._held: NDArray[np.float64] | None = None  # the pose from which a frozen picture was taken
+        self._taken_ns: int | None = None  # the last image
         self._on_the_way: deque[tuple[int, SimulatedImage, Pixels | None]] = deque()  # (arrival [ns], image, pixels)
         self._topics = ImageTopics()
         self._subscriber = rospy.Subscriber("ground_truth", Odometry, self._on_truth, queue_size=1, tcp_nodelay=True)
@@ -76,8 +77,10 @@ class CameraNode:
 
     def _take(self, index: int, stamp_ns: int) -> None:
         """Draw the image whose exposure has its middle at the stamp."""
-        if self._truth is None or self._fault.off:
+        early = self._taken_ns is not None and stamp_ns - self._taken_ns < to_ns(self._fault.period)
+        if self._truth is None or self._fault.off or early:
             return
+        self._taken_ns = stamp_ns
         pose, v, omega = self._pose_at(self._truth, stamp_ns)
         if self._fault.frozen:
             self._held = pose if self._held is None else self._held

@@ -38,7 +38,7 @@ def odometry_message(sample: OdometrySample) -> Odometry:
     message = Odometry()
     message.header.stamp = stamp(sample.time_ns)
     message.header.frame_id = "odom"
-    message.child_frame_id = "base_link"
+    message.child_frame_id = sample.frame
     _set_pose(message, sample.pose, sample.v, sample.omega)
     pose = VARIANCE_FLOOR * np.eye(6)
     pose[np.ix_([0, 1, 5], [0, 1, 5])] = sample.pose_covariance
