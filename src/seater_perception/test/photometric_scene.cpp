@@ -1,6 +1,5 @@
 #include "photometric_scene.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/aruco.hpp>
@@ -140,7 +139,7 @@ Bound cramerRao(const View& setup, double noise, bool blur, bool slopes) {
   for (const auto& print : setup.prints) middle += print.T_optical_marker.translation() / setup.prints.size();
   const Vector3d arm = setup.pose.translation() - middle;
   const double turn = setup.prints.size() > 1 ? 0.002 : 0.02;
-  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
+  cv::Mat_<double> information = cv::Mat_<double>::zeros(n, n);
   for (std::size_t k = 0; k < setup.prints.size(); ++k) {
     const cv::Rect box = boxOf(setup, setup.prints[k], 1.0, 6);
     const double f = setup.camera.K[0], contrast = setup.white - setup.black;
@@ -183,12 +182,17 @@ Bound cramerRao(const View& setup, double noise, bool blur, bool slopes) {
         information(i, j) += J[static_cast<std::size_t>(i)].dot(J[static_cast<std::size_t>(j)]);
     }
   }
-  const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
-  const Eigen::MatrixXd inverse = scale.asDiagonal() * scaled.inverse() * scale.asDiagonal();
-  Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Identity();
+  // Metres, radians and grey levels differ by orders of magnitude: inverted scaled to a unit diagonal.
+  cv::Mat scale;
+  cv::sqrt(information.diag(), scale);
+  const cv::Mat scales = scale * scale.t();
+  const cv::Mat_<double> inverse = cv::Mat(information / scales).inv() / scales;
+  Eigen::Matrix<double, 6, 6> pose, A = Eigen::Matrix<double, 6, 6>::Identity();
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j < 6; ++j) pose(i, j) = inverse(i, j);
+  }
   A.topRightCorner<3, 3>() << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
-  return {noise * noise * A * inverse.topLeftCorner<6, 6>() * A.transpose()};
+  return {noise * noise * A * pose * A.transpose()};
 }
 
 Vector6d errorOf(const Isometry3d& estimate, const Isometry3d& truth) {

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <cmath>
 #include <random>
 
+#include "numerics/solve.h"
+#include "numerics/symmetric.h"
 #include "scene.h"
 #include "seater_perception/photometric.h"
 
@@ -86,7 +86,8 @@ TEST(ShiftField, PoseFollowsAsDrawnFieldsMakeIt) {
   places.add(0.1, Eigen::Isometry3d::Identity(), 0.2);
   const std::size_t count = places.object.size();
   std::vector<Eigen::Vector2d> seen;
-  Eigen::MatrixXd J(2 * count, 6), alike(count, count);
+  Eigen::MatrixXd J(2 * count, 6);
+  SmallMatrix alike(count, count);
   for (std::size_t i = 0; i < count; ++i) {
     const Eigen::Vector3d arm = pose.linear() * places.object[i];
     seen.push_back(*camera.project(pose * places.object[i]));
@@ -96,15 +97,16 @@ TEST(ShiftField, PoseFollowsAsDrawnFieldsMakeIt) {
     for (std::size_t k = 0; k < count; ++k)
       alike(i, k) = std::exp(-(seen[i] - seen[k]).squaredNorm() / (4.0 * kUsualSmoothness * kUsualSmoothness));
   }
-  const Eigen::MatrixXd root = alike.llt().matrixL();
-  const Eigen::MatrixXd solve = (J.transpose() * J).inverse() * J.transpose();
+  const auto root = choleskyRoot(alike);
+  ASSERT_TRUE(root);
+  const Eigen::MatrixXd solve = inverted(J.transpose().lazyProduct(J)).lazyProduct(J.transpose());
   std::mt19937 random(5);
   std::normal_distribution<double> normal(0.0, 0.2);
   constexpr int kDraws = 4000;
   Matrix6d sum = Matrix6d::Zero();
   for (int n = 0; n < kDraws; ++n) {
-    const Eigen::MatrixXd shifts = root * Eigen::MatrixXd::NullaryExpr(count, 2, [&] { return normal(random); });
-    const Eigen::MatrixXd rows = shifts.transpose();
+    const Eigen::MatrixXd drawn = Eigen::MatrixXd::NullaryExpr(count, 2, [&] { return normal(random); });
+    const Eigen::MatrixXd rows = root->lazyProduct(drawn).transpose();
     const Vector6d change = solve * Eigen::Map<const Eigen::VectorXd>(rows.data(), 2 * count);
     sum += change * change.transpose() / kDraws;
   }

@@ -1,7 +1,7 @@
 // The normal equations of a photometric fit, solved.
-#include <Eigen/Cholesky>
 #include <cmath>
 
+#include "numerics/symmetric.h"
 #include "photometric/evaluation.h"
 #include "photometric/photometric_problem.h"
 #include "pose/pose.h"
@@ -37,7 +37,7 @@ Evaluation::Shared Evaluation::reduced(double damping, SharedVector& right) cons
     if (problem_->samples()[m].empty()) continue;
     const EvaluationPool::Block& block = data_->blocks[m];
     const Mixed mixed = block.block(0, n, n, own);
-    const Mixed solved = brightnessInformation(m, damping).ldlt().solve(Mixed(mixed.transpose()));
+    const Mixed solved = solvedSymmetricColumns(brightnessInformation(m, damping), SmallMatrix(mixed.transpose()));
     H += block.topLeftCorner(n, n);
     correction.noalias() += mixed * solved;
     right += block.col(residual).head(n) - solved.transpose() * block.col(residual).segment(n, own);
@@ -68,7 +68,7 @@ Evaluation::Step Evaluation::step(double damping, double stretch) const {
     const Shared scaled = scale.asDiagonal() * part * scale.asDiagonal();
     const SharedVector scaled_right = scale.cwiseProduct(right.head(used));
     SharedVector change = SharedVector::Zero(n);
-    change.head(used) = stretch * scale.cwiseProduct(SharedVector(scaled.ldlt().solve(scaled_right)));
+    change.head(used) = stretch * scale.cwiseProduct(solvedSymmetric(scaled, scaled_right));
     return change;
   };
   SharedVector change = solve(n);
@@ -89,7 +89,7 @@ Evaluation::Step Evaluation::step(double damping, double stretch) const {
     using OwnVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1>;
     const OwnVector open = stretch * block.col(residual).segment(n, brightness_unknowns) -
                            block.block(n, 0, brightness_unknowns, n) * change;
-    const OwnVector own = brightnessInformation(m, damping).ldlt().solve(open);
+    const OwnVector own = solvedSymmetric(brightnessInformation(m, damping), open);
     if (!own.allFinite()) return result;
     Brightness& b = next.brightness[m];
     b.offset += own[0];
@@ -110,7 +110,7 @@ double Evaluation::distance(const Eigen::Isometry3d& a, const Eigen::Isometry3d&
   const Matrix6d pose = H.topLeftCorner<6, 6>();
   if (psf == 0) return d.dot(pose * d);
   const SharedVector mixed = H.bottomLeftCorner(psf, 6) * d;
-  return d.dot(pose * d) - mixed.dot(SharedVector(Shared(H.bottomRightCorner(psf, psf)).ldlt().solve(mixed)));
+  return d.dot(pose * d) - mixed.dot(solvedSymmetric(H.bottomRightCorner(psf, psf), mixed));
 }
 
 std::optional<Matrix6d> Evaluation::inversePoseInformation() const {
@@ -118,11 +118,9 @@ std::optional<Matrix6d> Evaluation::inversePoseInformation() const {
   const Shared H = reduced(0.0, right);
   const SharedVector scale = H.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Shared scaled = scale.asDiagonal() * H * scale.asDiagonal();
-  const Eigen::LLT<Shared> factor(scaled);
-  if (factor.info() != Eigen::Success) return std::nullopt;
-  const Shared inverse = factor.solve(Shared::Identity(scaled.rows(), scaled.cols()));
-  if (!(inverse.trace() < kLargestInverse)) return std::nullopt;
-  const Matrix6d result = scale.head<6>().asDiagonal() * inverse.topLeftCorner<6, 6>() * scale.head<6>().asDiagonal();
+  const auto inverse = solvedPositive(scaled, SmallMatrix::Identity(scaled.rows(), scaled.cols()));
+  if (!inverse || !(inverse->trace() < kLargestInverse)) return std::nullopt;
+  const Matrix6d result = scale.head<6>().asDiagonal() * inverse->topLeftCorner<6, 6>() * scale.head<6>().asDiagonal();
   if (!result.allFinite()) return std::nullopt;
   return Matrix6d(0.5 * (result + result.transpose()));
 }

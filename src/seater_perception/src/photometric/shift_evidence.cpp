@@ -1,10 +1,9 @@
 #include "photometric/shift_evidence.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "numerics/symmetric.h"
 #include "pose/shift_field.h"
 
 namespace seater_perception {
@@ -18,9 +17,6 @@ constexpr double kDamping = 1e-6;        // of the normal matrix scaled to a uni
 constexpr double kSmallestMode = 1e-3;   // of the largest information; less is rounding
 constexpr double kSmallestScale = 1e-9;  // [grey levels^2] of an unknown that the pixels do not feel
 
-using Shifts = Eigen::Matrix<double, kShifts, kShifts>;
-using ShiftVector = Eigen::Matrix<double, kShifts, 1>;
-
 /// First of both shifts of the tile that a pixel is in.
 Eigen::Index shiftOf(const PixelBatch& batch, int pixel, int cells) {
   const float half = 0.5F * static_cast<float>(batch.borders - 1);
@@ -33,8 +29,8 @@ Eigen::Index shiftOf(const PixelBatch& batch, int pixel, int cells) {
 }
 
 /// Root L of the covariance L L^T of the tiles' shifts, of a field of 1 px.
-Shifts rootOfField(const Eigen::Matrix2d& pixel_by_cell, int cells) {
-  Eigen::Matrix<double, kTiles, kTiles> alike;
+SmallMatrix rootOfField(const Eigen::Matrix2d& pixel_by_cell, int cells) {
+  SmallMatrix alike(kTiles, kTiles);
   const double tile = static_cast<double>(cells) / kAcross;
   for (int a = 0; a < kTiles; ++a) {
     for (int b = 0; b < kTiles; ++b) {
@@ -43,26 +39,27 @@ Shifts rootOfField(const Eigen::Matrix2d& pixel_by_cell, int cells) {
     }
   }
   alike.diagonal().array() += 1e-9;
-  const Eigen::Matrix<double, kTiles, kTiles> L = alike.llt().matrixL();
-  Shifts root = Shifts::Zero();
+  SmallMatrix root = SmallMatrix::Zero(kShifts, kShifts);
+  const auto L = choleskyRoot(alike);
+  if (!L) return root;
   for (int a = 0; a < kTiles; ++a) {
-    for (int b = 0; b <= a; ++b) root(2 * a, 2 * b) = root(2 * a + 1, 2 * b + 1) = L(a, b);
+    for (int b = 0; b <= a; ++b) root(2 * a, 2 * b) = root(2 * a + 1, 2 * b + 1) = (*L)(a, b);
   }
   return root;
 }
 
 /// Information on the shifts, and that times their estimate, both times the residuals' variance.
 struct Normal {
-  Shifts information = Shifts::Zero();
-  ShiftVector gradient;
+  SmallMatrix information = SmallMatrix::Zero(kShifts, kShifts);
+  SmallVector gradient;
 };
 
-Normal eliminated(const PhotometricProblem& problem, const PhotometricProblem::WeightedRows& weighted,
-                  const Eigen::Matrix2d& pixel_by_cell) {
+std::optional<Normal> eliminated(const PhotometricProblem& problem, const PhotometricProblem::WeightedRows& weighted,
+                                 const Eigen::Matrix2d& pixel_by_cell) {
   const auto& rows = weighted.rows;
   const Eigen::Index n = rows.cols() - 1;  // of the unknowns; the residual is last
   const Eigen::Matrix2f to_pixel = pixel_by_cell.inverse().transpose().cast<float>();
-  Eigen::Matrix<double, kColumns, kShifts> mixed = Eigen::Matrix<double, kColumns, kShifts>::Zero();
+  SmallMatrix mixed = SmallMatrix::Zero(kColumns, kShifts);
   Normal normal;
   for (int i = 0; i < rows.rows(); ++i) {
     // A shift of a tile is a motion of that tile along the marker's own axes.
@@ -74,21 +71,24 @@ Normal eliminated(const PhotometricProblem& problem, const PhotometricProblem::W
   }
   // Unknowns that the fit does not have are zero, and damping keeps them there.
   constexpr int kMost = kColumns - 1;
-  using Square = Eigen::Matrix<double, kMost, kMost>;
-  using Column = Eigen::Matrix<double, kMost, 1>;
-  Square H = Square::Zero();
-  Column right = Column::Zero();
-  H.topLeftCorner(n, n) = weighted.products.topLeftCorner(n, n);
-  right.head(n) = weighted.products.col(n).head(n);
-  const ShiftVector by_residual = mixed.row(n).transpose();
+  SmallMatrix H = SmallMatrix::Zero(kMost, kMost);
+  SmallVector right = SmallVector::Zero(kMost);
+  for (Eigen::Index row = 0; row < n; ++row) {
+    for (Eigen::Index column = row; column < n; ++column) {
+      H(row, column) = H(column, row) = weighted.products(row, column);
+    }
+    right[row] = weighted.products(row, n);
+  }
+  const SmallVector by_residual = mixed.row(n);
   mixed.row(n).setZero();
-  const Column scale = H.diagonal().cwiseMax(kSmallestScale).cwiseSqrt().cwiseInverse();
-  Square scaled = scale.asDiagonal() * H * scale.asDiagonal();
+  const SmallVector scale = H.diagonal().cwiseMax(kSmallestScale).cwiseSqrt().cwiseInverse();
+  SmallMatrix scaled = scale.asDiagonal() * H * scale.asDiagonal();
   scaled.diagonal().array() += kDamping;
-  const Eigen::Matrix<double, kMost, kShifts> open = scale.asDiagonal() * mixed.topRows<kMost>(),
-                                              solved = scaled.selfadjointView<Eigen::Upper>().llt().solve(open);
-  normal.information -= open.transpose() * solved;
-  normal.gradient = by_residual - solved.transpose() * scale.cwiseProduct(right);
+  const SmallMatrix open = scale.asDiagonal() * mixed.topRows(kMost);
+  const auto solved = solvedPositive(scaled, open);
+  if (!solved) return std::nullopt;
+  normal.information -= open.transpose().lazyProduct(*solved);
+  normal.gradient = by_residual - solved->transpose().lazyProduct(scale.cwiseProduct(right));
   return normal;
 }
 
@@ -100,17 +100,18 @@ ShiftEvidence shiftEvidence(const PhotometricProblem& problem, const Photometric
   const Eigen::Matrix2d pixel_by_cell = problem.pixelByCell(state);
   const auto rows = problem.weightedRows(state, weighing, kMostPixels);
   if (!rows || !(std::abs(pixel_by_cell.determinant()) > kEdgeOn)) return evidence;
-  const Normal normal = eliminated(problem, *rows, pixel_by_cell);
-  const Shifts root = rootOfField(pixel_by_cell, problem.cells());
-  const Shifts information = root.transpose() * normal.information * root / variance;
-  if (!information.allFinite() || !normal.gradient.allFinite()) return evidence;
-  const Eigen::SelfAdjointEigenSolver<Shifts> modes(information);
-  if (modes.info() != Eigen::Success) return evidence;
-  const ShiftVector seen = modes.eigenvectors().transpose() * (root.transpose() * normal.gradient) / variance;
-  const double smallest = kSmallestMode * modes.eigenvalues().maxCoeff();
+  const auto normal = eliminated(problem, *rows, pixel_by_cell);
+  if (!normal || !normal->information.allFinite() || !normal->gradient.allFinite()) return evidence;
+  const SmallMatrix root = rootOfField(pixel_by_cell, problem.cells());
+  const SmallMatrix half = root.transpose().lazyProduct(normal->information);
+  const auto modes = modesOf(SmallMatrix(half.lazyProduct(root)) / variance);
+  if (!modes) return evidence;
+  const SmallVector gradient = root.transpose().lazyProduct(normal->gradient);
+  const SmallVector seen = modes->vectors.transpose().lazyProduct(gradient) / variance;
+  const double smallest = kSmallestMode * modes->values.maxCoeff();
   for (int k = 0; k < kShifts; ++k) {
-    if (!(modes.eigenvalues()[k] > std::max(0.0, smallest))) continue;
-    evidence.information[static_cast<std::size_t>(k)] = modes.eigenvalues()[k];
+    if (!(modes->values[k] > std::max(0.0, smallest))) continue;
+    evidence.information[static_cast<std::size_t>(k)] = modes->values[k];
     evidence.square[static_cast<std::size_t>(k)] = seen[k] * seen[k];
   }
   return evidence;

@@ -2,11 +2,11 @@
 
 #include <visp3/vision/vpPose.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 
 #include "numerics/skew.h"
+#include "numerics/symmetric.h"
 
 namespace seater_perception {
 namespace {
@@ -114,10 +114,10 @@ std::optional<Matrix6d> poseCovariance(const CameraModel& camera, const Correspo
   const Vector6d scale = information.diagonal().cwiseSqrt().cwiseInverse();
   if (!scale.allFinite()) return std::nullopt;
   const Matrix6d scaled = scale.asDiagonal() * information * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(scaled);
-  if (solver.info() != Eigen::Success || !(solver.eigenvalues()[0] > kSmallestEigenvalue)) return std::nullopt;
-  const Matrix6d inverse =
-      solver.eigenvectors() * solver.eigenvalues().cwiseInverse().asDiagonal() * solver.eigenvectors().transpose();
+  const auto modes = modesOf(scaled);
+  if (!modes || !(modes->values[0] > kSmallestEigenvalue)) return std::nullopt;
+  const Matrix6d vectors = modes->vectors;
+  const Matrix6d inverse = vectors * Vector6d(modes->values.cwiseInverse()).asDiagonal() * vectors.transpose();
   const Matrix6d unscaled = scale.asDiagonal() * inverse * scale.asDiagonal();
   const Matrix6d covariance = unscaled * noise * unscaled;
   if (!covariance.allFinite()) return std::nullopt;

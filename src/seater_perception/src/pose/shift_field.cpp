@@ -1,8 +1,9 @@
 #include "pose/shift_field.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "numerics/symmetric.h"
 
 namespace seater_perception {
 namespace {
@@ -79,9 +80,9 @@ std::optional<Matrix6d> shiftCovariance(const CameraModel& camera, const Shifted
   }
   // Metres and radians differ by orders of magnitude.
   const Vector6d scale = information.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<Matrix6d> factor(Matrix6d(scale.asDiagonal() * information * scale.asDiagonal()));
-  if (factor.info() != Eigen::Success) return std::nullopt;
-  const Matrix6d inverse = scale.asDiagonal() * Matrix6d(factor.solve(Matrix6d::Identity())) * scale.asDiagonal();
+  const auto scaled = solvedPositive(scale.asDiagonal() * information * scale.asDiagonal(), Matrix6d::Identity());
+  if (!scaled) return std::nullopt;
+  const Matrix6d inverse = scale.asDiagonal() * Matrix6d(*scaled) * scale.asDiagonal();
   const Matrix6d covariance = inverse * noise * inverse.transpose();
   if (!covariance.allFinite()) return std::nullopt;
   return Matrix6d(0.5 * (covariance + covariance.transpose()));

@@ -152,11 +152,13 @@ void MarkerDetector::Implementation::searchNear(const ImageLevels& image, const 
 /// Takes the shadows away, once for all markers, and refines corners in that image.
 SearchResult MarkerDetector::Implementation::finish(const cv::Mat& grey, Found& found) const {
   std::vector<ShadowEdge> shadows;
+  std::vector<Glare> glares;
   for (const MarkerCorners& marker : found.markers) {
     if (marker.shadow) shadows.push_back(*marker.shadow);
+    if (marker.glare) glares.push_back(*marker.glare);
   }
   SearchResult result;
-  result.lit = withoutShadows(grey, shadows);
+  result.lit = withoutGlare(withoutShadows(grey, shadows), glares);
   result.doubtful = found.doubtful;
   result.repeated = found.repeated;
   result.markers = found.markers;

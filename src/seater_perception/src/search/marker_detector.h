@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "numerics/quad.h"
+#include "search/code/glare.h"
 #include "search/code/shadow_edge.h"
 #include "seater_perception/marker_family.h"
 #include "seater_perception/parameters.h"
@@ -29,6 +30,8 @@ struct MarkerCorners {
   double dark = 0.0, contrast = 0.0;  ///< as of DecodedMarker; contrast 0: not to be relied on
   bool steep = false;                 ///< as of DecodedMarker
   std::optional<ShadowEdge> shadow;   ///< that lies across it: corners and levels are of withoutShadows
+
+  std::optional<Glare> glare;  ///< on it: corners and levels are of withoutGlare
 
   double side() const { return meanSide(corners); }  ///< mean side [px]
 };

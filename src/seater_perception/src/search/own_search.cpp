@@ -16,6 +16,8 @@ constexpr int kNarrowWindow = 7;  // [px]
 constexpr int kCloseWindow = 5;         // [px]
 constexpr double kCloseConstant = 7.0;  // [grey levels]
 
+constexpr double kCostOfGlare = 1.2;  // evidence
+
 std::set<int> idsOf(const std::vector<MarkerCorners>& markers) {
   std::set<int> ids;
   for (const MarkerCorners& marker : markers) ids.insert(marker.id);
@@ -74,6 +76,7 @@ std::optional<MarkerCorners> OwnSearch::read(const ImageLevels& image, const Qua
   // What a strong shadow's edge crosses may be read so badly that its corners no longer show the shadow.
   if (!marker && decoded && decoded->surplus < kDecades) marker = inShadow(image, quad, decoded);
   if (!marker && decoded) marker = cornersOf(*decoded);
+  if (!marker && !strong_shadows) marker = inGlare(image, quad);
   return marker;
 }
 
@@ -110,6 +113,24 @@ void OwnSearch::addClose(const ImageLevels& image, const cv::Rect& region, const
     const auto marker = read(image, quad, false);
     if (marker && marker->side() >= parameters_.min_side) markers.push_back(*marker);
   }
+}
+
+std::optional<MarkerCorners> OwnSearch::inGlare(const ImageLevels& image, const Quad& quad) const {
+  for (const auto& code : decoder_.inGlare(image, quad)) {
+    const cv::Rect part = code.glare.region & cv::Rect(0, 0, image.grey().cols, image.grey().rows);
+    if (part.width < kSmallestRegion || part.height < kSmallestRegion) continue;
+    const Eigen::Vector2d origin(part.x, part.y);
+    const cv::Mat lit = withoutGlare(image.grey()(part), {code.glare.seenFrom(origin)});
+    Quad there = quad;
+    for (auto& corner : there) corner -= origin;
+    auto decoded = decoder_.decode(ImageLevels(lit), there, parameters_.min_evidence + kCostOfGlare);
+    if (!decoded || decoded->id != code.id) continue;
+    for (auto& corner : decoded->corners) corner += origin;
+    MarkerCorners marker = cornersOf(*decoded);
+    marker.glare = code.glare;
+    return marker;
+  }
+  return std::nullopt;
 }
 
 std::optional<MarkerCorners> OwnSearch::inShadow(const ImageLevels& image, const Quad& quad,

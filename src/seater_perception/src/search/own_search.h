@@ -31,6 +31,9 @@ class OwnSearch {
   std::optional<MarkerCorners> inShadow(const ImageLevels& image, const Quad& quad,
                                         const std::optional<DecodedMarker>& so_far) const;
 
+  /// What can be read once a lamp's mirror image on it is taken away.
+  std::optional<MarkerCorners> inGlare(const ImageLevels& image, const Quad& quad) const;
+
   const MarkerDecoder& decoder() const { return decoder_; }
 
  private:

@@ -47,7 +47,7 @@ bool plausible(const PhotometricResult& result, double side, int cells, double f
 /// What covers a part of a print is left out of the fit. Where all four edges show, or the code without anything left
 /// out, nothing does: then outliers are what the camera has made of edges. What a shadow's edge has left is in neither.
 bool wholePrint(const MarkerCorners& marker) {
-  return !marker.shadow && (marker.edges_fitted || marker.contrast > 0.0);
+  return !marker.shadow && !marker.glare && (marker.edges_fitted || marker.contrast > 0.0);
 }
 
 double shiftOf(const PhotometricResult& result, double residual, double misfit) {
@@ -121,7 +121,7 @@ double MarkerFits::smallestExplained() const {
 /// none. A shadow's edge makes flat pixels uneven too, and is no fault of the model.
 double MarkerFits::noiseBeside(const PhotometricResult& result) {
   const bool clipped = std::max(result.clipped_low, result.clipped_high) > kClipped;  // and with it its noise
-  if (result.flat_noise > 0.0 && marker_.image.shadow) return result.flat_noise;
+  if (result.flat_noise > 0.0 && (marker_.image.shadow || marker_.image.glare)) return result.flat_noise;
   return result.flat_noise > 0.0 && !clipped ? std::min(result.flat_noise, noiseRound()) : noiseRound();
 }
 

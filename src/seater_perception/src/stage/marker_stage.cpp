@@ -51,7 +51,7 @@ bool compareWithCorners(const PhotometricContext& context, const MarkerEstimate&
   for (std::size_t i = 0; i < 4; ++i) {
     if (!seen.add(markerCorners(marker.size)[i], marker.image.corners[i], 1.0, context.camera)) return false;
   }
-  if (marker.image.shadow) addModelError(context.camera, seen, kShadowSigma, hypotheses);
+  if (marker.image.shadow || marker.image.glare) addModelError(context.camera, seen, kShadowSigma, hypotheses);
   // Residuals that are not noise are alike from pixel to pixel: they prove as much less as they are larger.
   for (auto& h : hypotheses) h.chi_squared /= doubt;
   for (auto& h : hypotheses) h.error = reprojectionError(context.camera, seen, h.pose);
@@ -69,7 +69,7 @@ bool compareWithCorners(const PhotometricContext& context, const MarkerEstimate&
 /// widths), and any outline where the whole print could not be fitted; but not where a shadow's edge crosses it.
 /// `residual` of the whole print [grey levels]; 0: not fitted.
 bool outlineDecides(const MarkerCorners& marker, double residual) {
-  if (!marker.edges_fitted || marker.shadow) return false;
+  if (!marker.edges_fitted || marker.shadow || marker.glare) return false;
   return !(residual > 0.0) || marker.edge_residual < kClean * residual;
 }
 

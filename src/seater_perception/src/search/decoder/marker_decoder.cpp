@@ -12,7 +12,10 @@ namespace {
 
 // Before the fit, corners are up to a third of a cell off and correlations low. What is tried then was chosen by hand:
 // it costs time (perception_speed), and what is not tried is not found (plain_markers_test, perception_range).
-constexpr std::size_t kCandidates = 6;  // codes that are fitted
+constexpr std::size_t kCandidates = 6;         // codes that are fitted
+constexpr std::size_t kCandidatesInGlare = 2;  // codes with which glare is looked for
+constexpr double kWorthFittingInGlare = 0.6;
+constexpr int kGlareLevel = 4;          // template blur level for that
 constexpr double kClearlyBetter = 0.2;  // of correlation: a code so much less likely than the best is not
 constexpr double kWorthFitting = 0.5;   // correlation before the fit
 // What true markers and images without markers reach: the table "Evidence of a code" in docs/results/perception.md, and
@@ -133,6 +136,25 @@ std::optional<ShadowEdge> MarkerDecoder::shadowEdge(const ImageLevels& image, co
   a.quad = quad;
   if (!aligner.look(image, a) || !aligner.hasBorder(a.samples)) return std::nullopt;
   return findShadowEdge(implementation_->book.grid(), a.samples, quad);
+}
+
+std::vector<MarkerDecoder::CodeInGlare> MarkerDecoder::inGlare(const ImageLevels& image, const Quad& quad) const {
+  const Implementation& self = *implementation_;
+  std::vector<CodeInGlare> codes;
+  Alignment start;
+  start.quad = quad;
+  if (!self.aligner.look(image, start) || !self.aligner.hasBorder(start.samples)) return codes;
+  if (!mayHaveGlare(self.book.grid(), start.samples)) return codes;
+  for (const auto& candidate : self.book.compare(start.samples, Alignment::kStartLevel, kCandidatesInGlare)) {
+    if (candidate.correlation < kWorthFittingInGlare) break;
+    Alignment a;
+    a.id = candidate.id;
+    a.quad = printed(quad, candidate.turn);
+    if (!self.aligner.look(image, a)) continue;
+    const auto glare = findGlare(self.book.grid(), a.samples, self.book.of(a.id, kGlareLevel), a.quad);
+    if (glare) codes.push_back({a.id, *glare});
+  }
+  return codes;
 }
 
 std::optional<DecodedMarker> MarkerDecoder::decode(const ImageLevels& image, const Quad& quad,

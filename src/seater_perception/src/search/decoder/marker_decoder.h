@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "numerics/quad.h"
+#include "search/code/glare.h"
 #include "search/code/image_levels.h"
 #include "search/code/pattern_template.h"
 #include "search/code/shadow_edge.h"
@@ -50,6 +51,13 @@ class MarkerDecoder {
 
   /// The edge of a shadow across what may be a print here, as its quiet zone shows it.
   std::optional<ShadowEdge> shadowEdge(const ImageLevels& image, const Quad& quad) const;
+
+  /// Glare on what may be a print here, and its id, most likely first.
+  struct CodeInGlare {
+    int id;
+    Glare glare;
+  };
+  std::vector<CodeInGlare> inGlare(const ImageLevels& image, const Quad& quad) const;
 
   /// A known code whose corners are about here (in the print's order), at most `reach` [px] away (0: only what the fit
   /// itself reaches, about a third of a cell). `template_level`: of the last image, tried first; -1: not known.
