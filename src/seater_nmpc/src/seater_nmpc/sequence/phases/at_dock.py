@@ -29,6 +29,7 @@ _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before veri
 _LEARNT = 4  # moves after which what the chair makes of them should be known
 _DRIVES_ON = 2  # times in an attempt that the chair drives on to a dock that it has stopped before
 _BEFORE, _WAY_ON = 0.0045, 0.012  # [m] before the dock, and way to drive for it, from which on it drives on
+_TURNS = 0.004  # [rad] while it rolls, which only a small move reckons with
 _OPENED = 0.5  # [s] without contact: no mere bounce of it
 _VERDICTS = {
     Verdict.DOCKED: ResultCode.SUCCESS,
@@ -158,10 +159,9 @@ class AtDock:
     def _decide(self, error: Array) -> Phase:
         c, verdict = self._context, self._choose(error)
         last = c.goal.retries >= c.parameters.max_retries
-        if verdict in (Correction.STAY, Correction.AGAIN) and self._drives_on(error):
+        if verdict is not Correction.TURN and self._drives_on(error):
             self._driven_on += 1
-            if self._off is not None:  # it was faster then: it ran on farther before it rolled back
-                c.goal.overshoot = 0.5 * (self._off + self._rolls.way())
+            c.goal.overshoot = self._next_overshoot
             return Phase.FINAL
         if verdict is Correction.STAY or (verdict is Correction.AGAIN and last and within(error, c.dock.tolerance)):
             return Phase.VERIFY
@@ -172,12 +172,20 @@ class AtDock:
         return Phase.CORRECTING
 
     def _drives_on(self, error: Array) -> bool:
-        """Whether all that is wrong is that it stands before the dock, by more than short pushes can mend: then it need
-        not go back for another attempt. What it will roll back gives it way to be steered on."""
+        """Whether all that is wrong is that it stands before the dock, with way enough to be steered: then it need not
+        go back for another attempt. What it will roll back, and what castors pushed it back in its last stop, is more
+        such way; each short push of such a chair would be a to and fro."""
         p = self._context.parameters
         aside = abs(error[1]) > p.release_position or abs(error[2]) > p.release_heading
-        way = max(0.0, -self._rolls.way()) - float(error[0])
-        return not aside and error[0] < -_BEFORE and way > _WAY_ON and self._driven_on < _DRIVES_ON
+        way = max(0.0, -self._next_overshoot) - float(error[0])
+        turns = abs(self._rolls.turn()) > _TURNS
+        return not (aside or turns) and error[0] < -_BEFORE and way > _WAY_ON and self._driven_on < _DRIVES_ON
+
+    @property
+    def _next_overshoot(self) -> float:
+        """[m] of a stop after a short way: that after a long one was faster, and ran on before it rolled back."""
+        off = self._context.goal.overshoot if self._off is None else self._off
+        return 0.5 * (off + self._rolls.way()) if self._rolls.seen else off
 
     def _choose(self, error: Array) -> Correction:
         """What is to be done; `_fine_move` is the move, if one is."""
