@@ -46,6 +46,42 @@ void fill(tf2::BufferCore& buffer, double until) {
 
 }  // namespace
 
+TEST(TransformInput, noStampEndsTheProcessOrKeepsLaterTransformsOut) {
+  tf2::BufferCore buffer;
+  TransformInput input(buffer);
+  const auto stamped = [](ros::Time stamp, const char* parent, const char* child, const Eigen::Isometry3d& pose) {
+    geometry_msgs::TransformStamped message = tf2::eigenToTransform(pose);
+    message.header.frame_id = parent;
+    message.child_frame_id = child;
+    message.header.stamp = stamp;
+    return message;
+  };
+  const ros::Time now(1000.0);
+  for (const ros::Time& stamp :
+       {ros::Time(0, 0), ros::Time(1, 0), ros::Time(2147483647, 0), ros::Time(4294967295u, 999999999)}) {
+    const int refused = input.take(now, {stamped(stamp, "odom", "base_link", baseAt(9.0, 9.0, 1.0))}, "test", false);
+    EXPECT_EQ(refused, stamp.sec > 1 ? 1 : 0);
+    EXPECT_EQ(input.take(now, {stamped(stamp, "base_link", kOptical, mount())}, "test", true), 0);
+  }
+  OdometryMotion motion(buffer, "odom");
+  for (double t : {1000.0, 1000.1}) {
+    EXPECT_EQ(
+        input.take(now, {stamped(ros::Time(t), "odom", "base_link", baseAt(t - 1000.0, 0.0, 0.0))}, "test", false), 0);
+    EXPECT_EQ(motion.next(kOptical, ros::Time(t)).has_value(), t > 1000.0);
+  }
+  EXPECT_FALSE(motion.next(kOptical, ros::Time(4294967295u, 0)));
+}
+
+TEST(TransformInput, aClockThatGoesBackwardBeginsAnew) {
+  tf2::BufferCore buffer;
+  fill(buffer, 10.2);
+  TransformInput input(buffer);
+  input.take(ros::Time(2000.0), {}, "test", false);
+  EXPECT_TRUE(buffer._frameExists("odom"));
+  input.take(ros::Time(1000.0), {}, "test", false);
+  EXPECT_FALSE(buffer.canTransform("odom", "base_link", ros::Time(10.1)));
+}
+
 TEST(OdometryMotion, isThePoseOfTheLastImageInThisOne) {
   tf2::BufferCore buffer;
   fill(buffer, 10.2);

@@ -76,20 +76,6 @@ def test_one_that_is_told_to_stop_at_once_brakes_as_it_can(later: float) -> None
         assert slowing.keeps(now, speed, lambda stamp: 0.0 if stamp >= BEGINS else 0.55) is None
 
 
-@pytest.mark.parametrize("later", [0.0, 0.1, 0.15])
-def test_one_that_stopped_sharply_and_speeds_up_again_obeys(later: float) -> None:
-    """Zero was asked for over 0.4 s, then 0.5 m/s and gently less: it had slowed down at once, so it came from below."""
-
-    def told(stamp: float) -> float:
-        return 0.0 if BEGINS - 0.4 < stamp < BEGINS else asked(stamp) - 0.1
-
-    slowing, speed = begun(), 0.5
-    for cycle in range(1, 80):
-        now = CYCLE * cycle
-        speed += (told(now - DELAY - later) - speed) * (1.0 - math.exp(-CYCLE / LAG))
-        assert slowing.keeps(now, speed, told) is None
-
-
 def test_backward_is_the_same() -> None:
     """And what was expected has the sign of the way it drives."""
     slowing, back = begun(), mirrored(asked)

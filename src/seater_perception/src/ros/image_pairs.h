@@ -42,9 +42,8 @@ class ImagePairs {
   /// The partner of what came, or nothing; what came before either of them waits no longer.
   template <typename Came, typename Partner>
   static Partner match(const Came& came, std::deque<Came>& same, std::deque<Partner>& others) {
-    const auto found = std::find_if(others.begin(), others.end(), [&](const Partner& other) {
-      return other->header.stamp == came->header.stamp;
-    });
+    const auto found = std::find_if(others.begin(), others.end(),
+                                    [&](const Partner& other) { return other->header.stamp == came->header.stamp; });
     if (found != others.end()) {
       const Partner partner = *found;
       others.erase(others.begin(), found + 1);

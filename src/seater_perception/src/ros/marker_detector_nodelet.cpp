@@ -2,7 +2,10 @@
 #include <image_transport/camera_common.h>
 #include <image_transport/image_transport.h>
 #include <nodelet/nodelet.h>
-#include <tf2_ros/transform_listener.h>
+#include <ros/callback_queue.h>
+#include <ros/spinner.h>
+#include <tf2/buffer_core.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
 #include <chrono>
@@ -54,10 +57,28 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     dock_pose_ = nh.advertise<geometry_msgs::PoseWithCovarianceStamped>("dock_pose", 1, changed, changed);
     annotated_ = transport_->advertise("detections/image", 1, image_changed, image_changed);
     if (!parameters_.odometry_frame.empty()) {
-      transforms_ = std::make_unique<tf2_ros::TransformListener>(tf_buffer_, nh);
+      listenToTransforms();
       odometry_ = std::make_unique<OdometryMotion>(tf_buffer_, parameters_.odometry_frame);
     }
     if (!parameters_.lazy) subscribe();
+  }
+
+  /// In a thread of its own, as tf2_ros does: images wait for none of them.
+  void listenToTransforms() {
+    ros::NodeHandle nh(getNodeHandle());
+    nh.setCallbackQueue(&tf_queue_);
+    const auto topic = [&](const std::string& name, bool fixed) {
+      return nh.subscribe<tf2_msgs::TFMessage>(
+          name, 100, [this, fixed](const ros::MessageEvent<const tf2_msgs::TFMessage>& event) {
+            const std::string& sender = event.getPublisherName();
+            if (transforms_.take(ros::Time::now(), event.getMessage()->transforms, sender, fixed) == 0) return;
+            NODELET_WARN_THROTTLE(10.0, "transforms that cannot be used, from %s", sender.c_str());
+          });
+    };
+    tf_ = topic("/tf", false);
+    tf_static_ = topic("/tf_static", true);
+    tf_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &tf_queue_);
+    tf_spinner_->start();
   }
 
   /// Follows the listeners: with none, the camera is left alone.
@@ -234,10 +255,13 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   ros::Publisher detections_, dock_pose_;
   image_transport::Publisher annotated_;
   std::unique_ptr<Diagnostics> diagnostics_;
-  tf2_ros::Buffer tf_buffer_;
-  std::unique_ptr<tf2_ros::TransformListener> transforms_;  // fills the buffer from a thread of its own
-  std::unique_ptr<OdometryMotion> odometry_;                // nothing when there is no odometry to look up
-  ros::Time last_stamp_;                                    // of the last image
+  tf2::BufferCore tf_buffer_;
+  TransformInput transforms_{tf_buffer_};
+  ros::CallbackQueue tf_queue_;
+  ros::Subscriber tf_, tf_static_;
+  std::unique_ptr<ros::AsyncSpinner> tf_spinner_;  // fills the buffer
+  std::unique_ptr<OdometryMotion> odometry_;       // nothing when there is no odometry to look up
+  ros::Time last_stamp_;                           // of the last image
   std::string last_frame_;
 };
 

@@ -1,13 +1,32 @@
 #pragma once
 
+#include <geometry_msgs/TransformStamped.h>
 #include <ros/time.h>
 #include <tf2/buffer_core.h>
 
 #include <Eigen/Geometry>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace seater_perception {
+
+/// Takes transforms into a buffer. tf2_ros' own listener ends the whole process at a stamp that TF cannot add its ten
+/// seconds to.
+class TransformInput {
+ public:
+  /// The buffer has to outlive this.
+  explicit TransformInput(tf2::BufferCore& buffer) : buffer_(buffer) {}
+
+  /// At `now` of the ROS clock; where that has gone backward, what came before is forgotten. `fixed`: of /tf_static.
+  /// Returns how many were refused.
+  int take(const ros::Time& now, const std::vector<geometry_msgs::TransformStamped>& transforms,
+           const std::string& authority, bool fixed);
+
+ private:
+  tf2::BufferCore& buffer_;
+  ros::Time last_;
+};
 
 /// How the camera moved between two images, by the odometry that TF holds. Never waits: what TF does not know when an
 /// image is here is not used. Remembers the last image's stamp; not thread-safe (the buffer is).

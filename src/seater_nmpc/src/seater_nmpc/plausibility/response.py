@@ -28,7 +28,7 @@ _MEMORY = 5.0  # [s]
 _STANDS = (0.004, 0.04)  # [m, rad] farthest that a blocked chair is moved meanwhile (a gyro's bias turns its odom)
 _AGAINST = ((0.03, 0.04), (0.2, 0.08))  # [m/s, rad/s] per axis: asked for at least, driven the other way at least
 _DISOBEYS = 0.6  # times its speed: a chair that is asked for less than this all the while should slow down
-_KEEPS = 0.1  # [s] how long a chair has to keep a speed that it was to slow down from
+_KEEPS = 0.05  # [s] how long a chair has to keep a speed that it was to slow down from
 _BRAKES = ((0.25, 0.02), (0.25, 0.05))  # [s, m/s or rad/s] per axis: a chair that slows down by this obeys
 # Motors that have pushed a chair over a sill let it go for a moment: one that slows down by this share of its peak has
 # so much longer [s].
