@@ -7,6 +7,7 @@
 #include "seater_perception/dock_tracker.h"
 #include "seater_perception/errors.h"
 #include "seater_perception/photometric.h"
+#include "seater_perception/report.h"
 
 namespace sp = seater_perception;
 namespace py = pybind11;
@@ -103,6 +104,12 @@ void bindResults(py::module_& m) {
       .def_readonly("markers", &sp::DetectionResult::markers)
       .def_readonly("dock", &sp::DetectionResult::dock)
       .def_readonly("refused", &sp::DetectionResult::refused);
+  py::class_<sp::FocalCheck>(m, "FocalCheck")
+      .def_readonly("excess", &sp::FocalCheck::excess, "of the calibration's focal length, over that which fits best")
+      .def_readonly("sigma", &sp::FocalCheck::sigma, "standard deviation of it")
+      .def_property_readonly("contradicts", &sp::FocalCheck::contradicts);
+  m.def("check_focal_length", &sp::checkFocalLength, "camera"_a, "layout"_a, "result"_a, "placement_sigma"_a = 0.0005,
+        "By the markers of the dock in one image; None where they do not tell.");
 }
 
 void bindDetector(py::module_& m) {

@@ -7,6 +7,7 @@
 #include "numerics/solve.h"
 #include "pose/dock_pose.h"
 #include "scene.h"
+#include "seater_perception/report.h"
 
 using namespace seater_perception;
 
@@ -361,4 +362,50 @@ TEST(Bundle, twoThatContradictGiveBothPoses) {
   ASSERT_GE(dock.size(), 2u);
   EXPECT_NE(dock[0].marker_ids, dock[1].marker_ids);
   EXPECT_GT(dock[1].weight, 0.05);
+}
+
+namespace {
+
+/// By corners with noise of a focal length of 640 px, told as `told` times that; the dock seen from `angle`.
+std::optional<FocalCheck> focalCheck(double told, double angle, unsigned seed) {
+  const Calibration truth = scene::calibration();
+  const CameraModel camera = CameraModel::raw(scene::calibration(640.0 * told));
+  const DockLayout layout = scene::defaultDock();
+  std::mt19937 random(seed);
+  std::vector<MarkerEstimate> estimates;
+  DetectionResult result;
+  const auto dock = scene::dockSeenFrom(0.9 - 1.3 * std::cos(angle), 1.3 * std::sin(angle), -angle);
+  for (const scene::Print& print : scene::defaultPrints(dock)) {
+    const MarkerCorners corners = seen(truth, print, random, 0.1);
+    const auto estimate = estimateMarker(camera, corners, print.size, upright(), PoseParameters());
+    if (!estimate) continue;
+    estimates.push_back(*estimate);
+    DetectedMarker marker;
+    marker.id = print.id;
+    marker.corners = corners.corners;
+    marker.stage = PoseStage::edges;
+    result.markers.push_back(marker);
+  }
+  result.dock = estimateDock(camera, estimates, layout, "bundle", *upright().up, PoseParameters());
+  return checkFocalLength(camera, layout, result, PoseParameters().placement_sigma);
+}
+
+}  // namespace
+
+TEST(FocalLength, isToldByADockSeenFromTheSide) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    for (const double told : {0.95, 1.0, 1.05}) {
+      const auto check = focalCheck(told, 0.7, seed);
+      ASSERT_TRUE(check) << seed;
+      EXPECT_NEAR(check->excess, told - 1.0, 0.01) << seed;  // 0.3 % rms
+      EXPECT_EQ(check->contradicts(), told != 1.0) << check->excess << ", " << check->sigma;
+    }
+  }
+}
+
+TEST(FocalLength, isNotToldByOneSeenHeadOn) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const auto check = focalCheck(1.1, 0.0, seed);
+    EXPECT_FALSE(check && check->contradicts()) << seed;
+  }
 }

@@ -1,5 +1,5 @@
-"""Prints that are cut close, before what is dark, faint, half in a shadow, in a lamp's mirror image, or seen at a steep angle: found, with
-honest covariances."""
+"""Prints that are cut close, before what is dark, faint, half in a shadow, in a lamp's mirror image, or seen at a steep
+angle: found, with honest covariances."""
 
 import cv2
 import numpy as np
@@ -51,7 +51,8 @@ def drawn(
 ) -> tuple[dict[int, np.ndarray], np.ndarray]:
     """Poses of six prints and their image: `white` cells of paper round each, then two cells of grey level `around`
     (None: the wall). `tones`: grey levels of ink and paper; `shade`: part of the light on every other print's right
-    half; `lamp`: light of a lamp's mirror image on each, of that which grey level 255 stands for. Bitmaps under OpenCV's homography, means of 6 x 6 rays, blur (sd 0.7 px), noise (sd 2)."""
+    half; `lamp`: light of a lamp's mirror image on each, of that which grey level 255 stands for. Bitmaps under
+    OpenCV's homography, means of 6 x 6 rays, blur (sd 0.7 px), noise (sd 2)."""
     ink, paper = tones
     random = np.random.default_rng(seed)
     image = np.full((HEIGHT * RAYS, WIDTH * RAYS), WALL, np.float32)

@@ -22,6 +22,7 @@
 #include "seater_perception/dock_tracker.h"
 #include "seater_perception/draw.h"
 #include "seater_perception/errors.h"
+#include "seater_perception/report.h"
 #include "stamp_check.h"
 
 namespace seater_perception {
@@ -224,9 +225,11 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
                                            [](const DetectedMarker& m) { return m.stage == PoseStage::photometric; });
     double cut_off = 0.0;
     for (const DetectedMarker& m : markers) cut_off += m.white_cut_off;
+    const auto focal =
+        checkFocalLength(detector_->camera(), choice_->layout(), result, parameters_.perception.pose.placement_sigma);
     diagnostics_->published({latency, message.processing_time, !message.dock.empty(), result.full_search,
                              T_now_last.has_value(), result.dock.size() > 1, static_cast<int>(markers.size()),
-                             static_cast<int>(photometric), cut_off});
+                             static_cast<int>(photometric), focal, cut_off});
     if (annotated_.getNumSubscribers() > 0) publishAnnotated(grey, header, result, latency, message.processing_time);
   }
 

@@ -1,6 +1,7 @@
 #include "ros_diagnostics.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace seater_perception {
 namespace {
@@ -9,7 +10,8 @@ namespace {
 // (marker_fits.cpp).
 constexpr double kOverExposed = 0.3;
 
-constexpr double kSilent = 1.5;  // [s] without an image: a report and a half
+constexpr int kContradicted = 3;  // images, and most of those that tell: one may be blurred or half covered
+constexpr double kSilent = 1.5;   // [s] without an image: a report and a half
 constexpr const char* kIdle = "idle: nobody listens";
 
 double median(std::vector<double> values) {
@@ -52,6 +54,8 @@ void Diagnostics::published(const ImageReport& image) {
   markers_ += image.markers;
   photometric_ += image.photometric;
   cut_off_ += image.cut_off;
+  if (image.focal) focal_excess_.push_back(image.focal->excess);
+  contradicted_ += image.focal && image.focal->contradicts() ? 1 : 0;
   total_full_searches_ += image.full_search ? 1 : 0;
   ++total_images_;
 }
@@ -137,11 +141,19 @@ void Diagnostics::pose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   } else if (markers_ > 0 && seen_ == 0) {
     status.summary(DiagnosticStatus::WARN,
                    "markers, but no pose of the dock: do their ids, sizes and places fit the dock file?");
+  } else if (contradicted_ >= kContradicted && 2 * contradicted_ > static_cast<int>(focal_excess_.size())) {
+    const double excess = median(focal_excess_);
+    status.summaryf(DiagnosticStatus::WARN,
+                    "the dock's markers contradict camera_info, as if its focal length were %.1f %% too %s: calibrate "
+                    "the camera, compare the dock file with the dock",
+                    100.0 * std::abs(excess), excess > 0.0 ? "long" : "short");
   } else {
     status.summary(DiagnosticStatus::OK, seen_ > 0 ? "sees the dock" : "waits for detection");
   }
   status.add("images with the dock", seen_);
   status.add("images with two poses of the dock", ambiguous_);
+  status.add("images that tell the focal length", focal_excess_.size());
+  status.add("focal length too long, median [%]", 100.0 * median(focal_excess_));
   status.add("markers fitted to grey levels [%]", markers_ > 0 ? 100.0 * photometric_ / markers_ : 0.0);
 }
 
@@ -152,6 +164,8 @@ void Diagnostics::beginAnew() {
   seen_ = full_searches_ = odometry_ = ambiguous_ = errors_ = 0;
   markers_ = photometric_ = 0;
   cut_off_ = 0.0;
+  focal_excess_.clear();
+  contradicted_ = 0;
 }
 
 }  // namespace seater_perception

@@ -3,10 +3,12 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/node_handle.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "seater_perception/parameters.h"
+#include "seater_perception/report.h"
 
 namespace seater_perception {
 
@@ -20,7 +22,8 @@ struct ImageReport {
   bool ambiguous = false;    ///< more than one pose of the dock went out
   int markers = 0;           ///< with a pose
   int photometric = 0;       ///< of them, those whose pose was fitted to grey levels
-  double cut_off = 0.0;      ///< sum of the markers' DetectedMarker::white_cut_off
+  std::optional<FocalCheck> focal;
+  double cut_off = 0.0;  ///< sum of the markers' DetectedMarker::white_cut_off
 };
 
 /// The stages camera, detection and pose on /diagnostics, each of the time since the last word: once per second of wall
@@ -53,6 +56,8 @@ class Diagnostics {
   int seen_ = 0, full_searches_ = 0, odometry_ = 0, ambiguous_ = 0, errors_ = 0;
   int markers_ = 0, photometric_ = 0;
   double cut_off_ = 0.0;
+  std::vector<double> focal_excess_;  // of images that tell
+  int contradicted_ = 0;              // images of them
   long total_images_ = 0, total_full_searches_ = 0, total_errors_ = 0;
   std::string last_error_;
 };

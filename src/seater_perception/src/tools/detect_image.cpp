@@ -72,6 +72,7 @@ void reportPoses(const Options& o, const cv::Mat& grey, Detectors& detectors, co
   const DetectionResult result = detector.detect(grey);
   notes.detection += secondsSince(begin);
   notes.refused = detectors.refusals(grey, result);
+  notes.focal = detectors.focalLength(detector, result);
   if (o.approximate()) notes.fov = o.fov;
   if (!o.draw.empty()) {
     notes.drawing = drawn(o, notes, annotate(grey, detector.camera(), detector.layout(), result), several);

@@ -87,6 +87,10 @@ std::vector<RefusedCandidate> Detectors::refusals(const cv::Mat& grey, const Det
   return refused;
 }
 
+std::optional<FocalCheck> Detectors::focalLength(const DockDetector& detector, const DetectionResult& result) const {
+  return checkFocalLength(detector.camera(), detector.layout(), result, parameters_.pose.placement_sigma);
+}
+
 DockDetector& Detectors::of(const MarkerFamily& family, const cv::Size& image) {
   const auto size = options_.approximate() ? std::make_pair(image.width, image.height) : std::make_pair(0, 0);
   const auto key = std::make_pair(family.name(), size);

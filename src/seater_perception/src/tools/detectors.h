@@ -10,6 +10,7 @@
 
 #include "pipeline/family_search.h"
 #include "seater_perception/dock_detector.h"
+#include "seater_perception/report.h"
 #include "tools/options.h"
 
 namespace seater_perception {
@@ -28,6 +29,8 @@ class Detectors {
   /// What was not found, and why, where one family is looked for; of `any`, nothing is said.
   std::vector<RefusedCandidate> refusals(const cv::Mat& grey, const DetectionResult& result);
   std::vector<RefusedCandidate> refusals(const cv::Mat& grey, const std::vector<PlainMarker>& found);
+  /// What the dock in it tells of the focal length.
+  std::optional<FocalCheck> focalLength(const DockDetector& detector, const DetectionResult& result) const;
   /// Of images of this size. Throws ConfigurationError.
   DockDetector& of(const MarkerFamily& family, const cv::Size& image);
 

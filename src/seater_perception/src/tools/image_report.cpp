@@ -97,6 +97,20 @@ std::string placesText(const std::vector<PlainMarker>& repeated) {
   return text;
 }
 
+std::string focalText(const ImageNotes& notes) {
+  if (!notes.focal || !notes.focal->contradicts()) return "";
+  return format("the dock's markers contradict the calibration, as if its focal length were %.1f %% too %s (sd %.1f)\n",
+                100.0 * std::abs(notes.focal->excess), notes.focal->excess > 0.0 ? "long" : "short",
+                100.0 * notes.focal->sigma);
+}
+
+std::string jsonFocal(const ImageNotes& notes) {
+  const auto& f = notes.focal;
+  std::string text = format(", \"calibration_contradicted\": %s, ", f && f->contradicts() ? "true" : "false");
+  if (!f) return text + "\"focal_excess\": null";
+  return text + format("\"focal_excess\": {\"value\": %.6g, \"sigma\": %.6g}", f->excess, f->sigma);
+}
+
 }  // namespace
 
 std::vector<int> distanceOnly(const DetectionResult& result) {
@@ -113,6 +127,7 @@ std::string describe(const DetectionResult& result, const ImageNotes& notes) {
   for (const int id : distanceOnly(result)) {
     text += format("marker %d: only its distance is certain, two angles explain the image\n", id);
   }
+  text += focalText(notes);
   text += placesText(result.repeated);
   const bool unexplained = result.refused > 0 && notes.refused.empty();
   if (unexplained) text += format("%d found, but refused: no believable pose\n", result.refused);
@@ -138,7 +153,8 @@ std::string describe(const std::vector<PlainMarker>& markers, const ImageNotes& 
 std::string describeJson(const DetectionResult& result, const ImageNotes& notes) {
   std::string ids;
   for (const int id : distanceOnly(result)) ids += (ids.empty() ? "" : ", ") + std::to_string(id);
-  std::string keys = ", \"distance_only\": [" + ids + "], \"repeated\": " + jsonList(result.repeated);
+  std::string keys = ", \"distance_only\": [" + ids + "]" + jsonFocal(notes);
+  keys += ", \"repeated\": " + jsonList(result.repeated);
   keys +=
       notes.fov ? format(", \"approximate\": true, \"assumed_fov\": %.12g", *notes.fov) : ", \"approximate\": false";
   return with(json(notes.image, result, notes.drawing), keys + jsonNotes(notes));

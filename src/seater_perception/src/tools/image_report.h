@@ -8,6 +8,7 @@
 
 #include "pipeline/family_search.h"
 #include "seater_perception/detection.h"
+#include "seater_perception/report.h"
 
 namespace seater_perception {
 
@@ -19,6 +20,7 @@ struct ImageNotes {
   std::optional<double> fov;              ///< assumed [rad]; the poses are approximate
   double reading = 0.0, detection = 0.0;  ///< wall time [s]
   std::optional<std::string> drawing;     ///< the annotated image's file
+  std::optional<FocalCheck> focal;        ///< of the dock
   std::vector<RefusedCandidate> refused;  ///< what looks like a marker and is none of the result
 };
 
@@ -30,8 +32,8 @@ std::string describe(const DetectionResult& result, const ImageNotes& notes);
 std::string describe(const std::vector<PlainMarker>& markers, const ImageNotes& notes);
 
 /// report.h's JSON object with more keys: `dictionary`, `turned_by_exif`, `approximate`, `distance_only` (ids),
-/// `repeated` (ids that stand at several places, with corners), `refused_candidates` (`id` or null, `corners`, `why`),
-/// `time` (seconds).
+/// `calibration_contradicted`, `focal_excess` and its `sigma` or null, `repeated` (ids that stand at several places,
+/// with corners), `refused_candidates` (`id` or null, `corners`, `why`), `time` (seconds).
 std::string describeJson(const DetectionResult& result, const ImageNotes& notes);
 /// Without poses: of each marker `id`, `corners`, `side_px`.
 std::string describeJson(const std::vector<PlainMarker>& markers, const ImageNotes& notes);
