@@ -8,6 +8,8 @@ from seater_nmpc.observe.measurement import Measurement
 from seater_nmpc.observe.odometry import NO_TRAVEL, Instant
 from seater_nmpc.parameters import SequenceParameters
 from seater_nmpc.sequence.rest.correction import Verdict, judge, standing_dock, surely
+from seater_nmpc.sequence.rest.roll import Roll
+from seater_nmpc.sequence.rest.way_on import has_way_on, next_overshoot
 
 P = SequenceParameters(
     hold_position=0.003, hold_heading=0.006, release_position=0.008, release_heading=0.014, max_moves=3
@@ -80,3 +82,19 @@ def test_an_offset_that_only_verification_shows_is_mended(make_world, bias: floa
     assert step.result is not None and step.result.success
     assert world.phases.count("CORRECTING") - before == moves, world.truth
     assert abs(world.truth[0]) < 0.004
+
+
+def test_a_chair_that_is_only_short_of_the_dock_and_has_way_enough_drives_on() -> None:
+    level, rolls, turns = Roll(), Roll(-0.02, 1.0), Roll(-0.02, 1.0, 0.01)
+    for error, overshoot, roll, drives in (
+        ((-0.02, 0.0, 0.0), 0.0, level, True),
+        ((-0.008, 0.0, 0.0), 0.0, level, False),  # no way to be steered on
+        ((-0.008, 0.0, 0.0), -0.01, level, True),  # castors pushed it back
+        ((-0.003, 0.0, 0.0), -0.02, rolls, False),  # stays
+        ((-0.02, 0.02, 0.0), -0.02, rolls, False),
+        ((-0.02, 0.0, 0.03), -0.02, rolls, False),
+        ((-0.02, 0.0, 0.0), -0.02, turns, False),
+        ((0.02, 0.0, 0.0), 0.02, level, False),
+    ):
+        assert has_way_on(np.array(error), overshoot, roll, P) is drives, (error, overshoot)
+    assert next_overshoot(-0.01, level) == -0.01 and next_overshoot(-0.01, rolls) == pytest.approx(-0.015)

@@ -12,6 +12,7 @@ from seater_nmpc.control.command import Command
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import STANDING, Asked, Context
+from seater_nmpc.sequence.rest import way_on
 from seater_nmpc.sequence.rest.after_effects import AfterEffects
 from seater_nmpc.sequence.rest.correction import Verdict as Correction
 from seater_nmpc.sequence.rest.correction import is_off, judge, standing_dock, surely
@@ -27,9 +28,6 @@ _LAGS, _DOUBT = 2.5, 0.2  # times the lag, and [s], after the delay, until the m
 _LONGEST_LAG = 0.3  # [s] that is waited for: a roll is learned as lag, too
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
 _LEARNT = 4  # moves after which what the chair makes of them should be known
-_DRIVES_ON = 2  # times in an attempt that the chair drives on to a dock that it has stopped before
-_BEFORE, _WAY_ON = 0.0045, 0.012  # [m] before the dock, and way to drive for it, from which on it drives on
-_TURNS = 0.004  # [rad] while it rolls, which only a small move reckons with
 _OPENED = 0.5  # [s] without contact: no mere bounce of it
 _VERDICTS = {
     Verdict.DOCKED: ResultCode.SUCCESS,
@@ -160,8 +158,6 @@ class AtDock:
         c, verdict = self._context, self._choose(error)
         last = c.goal.retries >= c.parameters.max_retries
         if verdict is not Correction.TURN and self._drives_on(error):
-            self._driven_on += 1
-            c.goal.overshoot = self._next_overshoot
             return Phase.FINAL
         if verdict is Correction.STAY or (verdict is Correction.AGAIN and last and within(error, c.dock.tolerance)):
             return Phase.VERIFY
@@ -172,20 +168,15 @@ class AtDock:
         return Phase.CORRECTING
 
     def _drives_on(self, error: Array) -> bool:
-        """Whether all that is wrong is that it stands before the dock, with way enough to be steered: then it need not
-        go back for another attempt. What it will roll back, and what castors pushed it back in its last stop, is more
-        such way; each short push of such a chair would be a to and fro."""
-        p = self._context.parameters
-        aside = abs(error[1]) > p.release_position or abs(error[2]) > p.release_heading
-        way = max(0.0, -self._next_overshoot) - float(error[0])
-        turns = abs(self._rolls.turn()) > _TURNS
-        return not (aside or turns) and error[0] < -_BEFORE and way > _WAY_ON and self._driven_on < _DRIVES_ON
-
-    @property
-    def _next_overshoot(self) -> float:
-        """[m] of a stop after a short way: that after a long one was faster, and ran on before it rolled back."""
-        off = self._context.goal.overshoot if self._off is None else self._off
-        return 0.5 * (off + self._rolls.way()) if self._rolls.seen else off
+        """Whether it drives on to the dock before which it stands; if so, its next stop allows for its last one."""
+        goal = self._context.goal
+        overshoot = way_on.next_overshoot(goal.overshoot if self._off is None else self._off, self._rolls)
+        if self._driven_on >= way_on.MOST:
+            return False
+        if not way_on.has_way_on(error, overshoot, self._rolls, self._context.parameters):
+            return False
+        self._driven_on, goal.overshoot = self._driven_on + 1, overshoot
+        return True
 
     def _choose(self, error: Array) -> Correction:
         """What is to be done; `_fine_move` is the move, if one is."""
