@@ -127,7 +127,9 @@ def test_ways_do_not_go_to_and_fro_for_a_shorter_time(planner: Planner) -> None:
     ):
         path = planner.path((x, y, math.atan2(-y, 0.9 - x) + turn))
         if path is not None:
-            changes.append(int(np.sum(np.diff(path.backward[1:].astype(int)) != 0)))
+            driven = np.hypot(*np.diff(path.poses[:, :2], axis=0).T) > 1e-9
+            driven[0] = False  # onto the lattice
+            changes.append(int(np.sum(np.diff(path.backward[1:][driven].astype(int)) != 0)))
     assert len(changes) > 90 and np.mean(np.array(changes) > 1) <= 0.06 and max(changes) <= 2
 
 

@@ -17,7 +17,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from seater_common.field_of_view import FieldOfView
 from seater_common.geometry import Chair, Dock
-from seater_common.se2 import wrap_angles
+from seater_common.se2 import wrap_angle, wrap_angles
 from seater_common.sight import Sight
 from seater_nmpc.parameters import PlannerParameters
 from seater_nmpc.plan import no_way
@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
+_TURNED_ON_THE_WAY = (
+    0.4  # [rad] a larger turn comes before driving: backing out of it would take the markers out of view
+)
 _NEAR_FACTOR = 10.0  # of a second near the bay's corners, where the path is to give room
 
 
@@ -102,7 +105,7 @@ class Planner:
         modes = np.array(nodes) // self._lattice.size
         moved = np.concatenate([[True], at[1:] != at[:-1]])
         poses = np.vstack([start, self._poses[at[moved]]])
-        return Path(poses, np.concatenate([[False], _backward(modes[moved])]), duration)
+        return Path(poses, _backward(poses, modes[moved]), duration)
 
     @property
     def open(self) -> bool:
@@ -202,11 +205,11 @@ class Planner:
         return -poses[:, 0] / self._chair.limits.v_max
 
 
-def _backward(modes: Indices) -> NDArray[np.bool_]:
-    """Whether each motion of these `modes` (n,) is backward; turns on the spot, and the way onto the lattice, belong to
-    what follows them."""
+def _backward(poses: Array, modes: Indices) -> NDArray[np.bool_]:
+    """(n,) whether the motion that ends in each of the `poses` (n, 3) is backward. The step from the start onto the
+    lattice, with a small turn on the spot, is no leg of its own: the first leg begins with it."""
+    backward = modes == BACKWARD
     driven = np.flatnonzero(modes != STAND)
-    if len(driven) == 0:
-        return np.zeros(len(modes), dtype=bool)
-    following = driven[np.minimum(np.searchsorted(driven, np.arange(len(modes))), len(driven) - 1)]
-    return np.asarray(modes[following] == BACKWARD)
+    if len(driven) and abs(wrap_angle(float(poses[driven[0], 2] - poses[0, 2]))) <= _TURNED_ON_THE_WAY:
+        backward[: driven[0]] = backward[driven[0]]
+    return np.asarray(np.concatenate([[False], backward]))
