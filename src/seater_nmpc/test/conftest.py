@@ -36,6 +36,11 @@ AT_ONCE = Prediction(command_delay=0.0, motor_lag=0.0)  # what the perfect unicy
 NOISE = (0.002, 0.003)  # standard deviations of an image's pose [m, rad]
 
 
+def seldom(*values: object) -> object:
+    """Values of a test that runs for them with `./seater test --all` only."""
+    return pytest.param(*values, marks=pytest.mark.extensive)
+
+
 def observation(
     chair: Chair, T_base_dock: np.ndarray, noise: tuple[float, float] = NOISE, weight: float = 1.0
 ) -> Hypothesis:

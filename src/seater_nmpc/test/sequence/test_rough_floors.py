@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import T_ODOM_DOCK
+from conftest import T_ODOM_DOCK, seldom
 
 from seater_common.geometry import Bay, Chair, Dock, Marker
 from seater_common.se2 import arc_step, compose, inverse
@@ -34,7 +34,9 @@ class WetSpot:
         return replace(odometry, pose=self.wheels, v=self.commanded[0], omega=self.commanded[1])
 
 
-@pytest.mark.parametrize(("at", "turn"), [(-0.8, 1.1), (-0.5, 1.1), (-0.8, 1.6), (-0.8, -1.6), (-0.5, 1.6)])
+@pytest.mark.parametrize(
+    ("at", "turn"), [(-0.8, 1.1), seldom(-0.5, 1.1), seldom(-0.8, 1.6), seldom(-0.8, -1.6), (-0.5, 1.6)]
+)
 def test_a_wheel_that_spins_in_front_of_the_bay(make_world, at: float, turn: float) -> None:
     """It turned 17 deg against a wall, as no filter believed the images any more. Where it is too wet, the
     docking ends; no wall is touched."""
@@ -57,7 +59,7 @@ def test_a_wheel_that_spins_in_front_of_the_bay(make_world, at: float, turn: flo
     assert world.smallest_clearance > 0.02 and max(off) < math.radians(4.0)
 
 
-@pytest.mark.parametrize("noise", [0.0005, 0.001, 0.002])
+@pytest.mark.parametrize("noise", [seldom(0.0005), seldom(0.001), 0.002])
 def test_odometry_with_noise_stands_all_the_same(make_world, noise: float) -> None:
     """As from matching laser scans or images: [m, rad] in each pose."""
     rng = np.random.default_rng(4)
@@ -80,7 +82,7 @@ def test_a_chair_that_creeps_is_not_docked(make_world) -> None:
     assert not step.result.success and "come to rest" in step.result.text, step.result
 
 
-@pytest.mark.parametrize("after", [0.1, 0.15, 0.2])
+@pytest.mark.parametrize("after", [seldom(0.1), 0.15, seldom(0.2)])
 def test_a_chair_that_is_pushed_while_it_is_verified_is_measured_anew(make_world, after: float) -> None:
     """By 12 mm in a moment, on tyres that slide: images before and after gave a mean within the tolerance."""
     world = make_world((-1.0, 0.0, 0.0))
@@ -133,7 +135,7 @@ class RollsOn:
         return (v or self.speed, omega) if world.now - self.asked < 1.2 else (0.0, 0.0)
 
 
-@pytest.mark.parametrize("speed", [0.03, 0.045])
+@pytest.mark.parametrize("speed", [seldom(0.03), 0.045])
 def test_a_chair_that_rolls_on_after_each_stop_is_stopped_earlier_the_next_time(make_world, speed: float) -> None:
     """By 36 and 54 mm towards the dock; the second is more than small moves can mend."""
     world = make_world((-1.3, 0.0, 0.0))

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from conftest import seldom
 
 from seater_nmpc.sequence.goal.results import Phase, ResultCode
 
@@ -17,7 +18,9 @@ def stage(world, seconds: float = 40.0):
     return step
 
 
-@pytest.mark.parametrize("start", [(-2.0, -0.7, 25.0), (-2.5, 0.0, 0.0), (-1.6, 0.3, -5.0), (-0.6, 0.02, 1.0)])
+@pytest.mark.parametrize(
+    "start", [(-2.0, -0.7, 25.0), seldom((-2.5, 0.0, 0.0)), seldom((-1.6, 0.3, -5.0)), (-0.6, 0.02, 1.0)]
+)
 def test_the_chair_stands_at_the_predock_point(make_world, start) -> None:
     world = make_world(start)
     result = stage(world).result
