@@ -35,7 +35,7 @@ HEADINGS = np.arctan2(VECTORS[:, 1], VECTORS[:, 0])  # [rad], (16,)
 FORWARD, BACKWARD, STAND = 0, 1, 2  # modes
 # [s] that driving backward costs beside its time. Nobody in the seat likes it, and on a real chair, whose motors and
 # castors have to turn round each time, a few decimetres back and forth take as long.
-_REVERSAL = 4.0
+_REVERSAL = 2.0
 
 
 @dataclass(frozen=True)
