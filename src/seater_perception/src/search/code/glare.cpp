@@ -16,9 +16,8 @@ constexpr std::size_t kFewestBright = 3;  // samples
 constexpr int kTogether = 6;              // samples (two a cell) between these, at most
 // Cameras' grey levels follow the light by a curve like sRGB's (IEC 61966-2-1), about this power.
 constexpr double kGamma = 2.2;
-constexpr double kLeft = 0.4;     // of what the code alone leaves, the most that spot and code may leave
-constexpr double kMargin = 0.25;  // [sides] of the region round the print, as of ShadowEdge
-constexpr double kStep = 0.01;    // [half sides] of derivatives
+constexpr double kLeft = 0.4;   // of what the code alone leaves, the most that spot and code may leave
+constexpr double kStep = 0.01;  // [half sides] of derivatives
 
 }  // namespace
 
@@ -87,20 +86,16 @@ std::optional<Glare> findGlare(const PatternGrid& grid, const ImageLevels::Sampl
   to_square /= det;
   glare.centre = map(at);
   glare.precision = to_square.transpose() * best.precision() * to_square;
-  const Eigen::Vector2d low = boundingBox(quad).min(), high = boundingBox(quad).max();
-  const double margin = kMargin * meanSide(quad);
-  glare.region =
-      cv::Rect(cv::Point(cv::saturate_cast<int>(low.x() - margin), cv::saturate_cast<int>(low.y() - margin)),
-               cv::Point(cv::saturate_cast<int>(high.x() + margin), cv::saturate_cast<int>(high.y() + margin)));
+  glare.region = regionRound(quad);
   return glare;
 }
 
 cv::Mat withoutGlare(const cv::Mat& grey, const std::vector<Glare>& glares) {
   if (glares.empty()) return grey;
   cv::Mat lit = grey.clone();
+  double light[256];
+  for (int i = 0; i < 256; ++i) light[i] = std::pow(i / 255.0, kGamma);
   for (const Glare& glare : glares) {
-    double light[256];
-    for (int i = 0; i < 256; ++i) light[i] = std::pow(i / 255.0, kGamma);
     const cv::Rect region = glare.region & cv::Rect(0, 0, grey.cols, grey.rows);
     for (int v = region.y; v < region.y + region.height; ++v) {
       uchar* to = lit.ptr<uchar>(v);

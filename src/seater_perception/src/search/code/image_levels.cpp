@@ -10,6 +10,7 @@
 namespace seater_perception {
 namespace {
 
+constexpr double kMargin = 0.25;  // [sides] of the region round a print: the quiet zone and some more
 // A bilinear sample sees about 1 px: four of them see about a quarter of a cell of 4 px, which they stand for.
 constexpr double kSeveralFrom = 4.0;  // [px] of a cell: four points round each of the grid, at a level with such cells
 // Two points at +-0.14 have a standard deviation of 0.14 cells, that of a half cell's width (0.5 / sqrt(12)): together
@@ -194,6 +195,13 @@ void ImageLevels::sample(const Quad& quad, const PatternGrid& grid, Samples& sam
       samples.seen += seen ? 1 : 0;
     }
   }
+}
+
+cv::Rect regionRound(const Quad& quad) {
+  const Eigen::Vector2d low = boundingBox(quad).min(), high = boundingBox(quad).max();
+  const double margin = kMargin * meanSide(quad);
+  return {cv::Point(cv::saturate_cast<int>(low.x() - margin), cv::saturate_cast<int>(low.y() - margin)),
+          cv::Point(cv::saturate_cast<int>(high.x() + margin), cv::saturate_cast<int>(high.y() + margin))};
 }
 
 }  // namespace seater_perception

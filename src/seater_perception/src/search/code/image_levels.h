@@ -48,4 +48,7 @@ class SquareToQuad {
   Eigen::Matrix3d H_;
 };
 
+/// A print's surroundings [px]: its quiet zone and some more on each side. May reach beyond the image.
+cv::Rect regionRound(const Quad& quad);
+
 }  // namespace seater_perception

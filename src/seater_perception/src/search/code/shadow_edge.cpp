@@ -16,7 +16,6 @@ constexpr double kStrongest = 0.1, kWeakest = 0.9;  // light in the shadow
 // slope of the light), and all of two levels.
 constexpr double kDivided = 0.85;               // part of the quiet zone's variance that two levels have to explain
 constexpr std::size_t kFewest = 4;              // samples of a level; chosen by hand
-constexpr double kMargin = 0.25;                // [sides] of the region round the print: the quiet zone and some more
 constexpr double kWidths[] = {0.15, 0.3, 0.6};  // [cells] that are tried; chosen by hand
 
 struct RingSample {
@@ -143,11 +142,7 @@ std::optional<ShadowEdge> findShadowEdge(const PatternGrid& grid, const ImageLev
   }
   if (side < 0.0) shadow.normal = -shadow.normal, shadow.offset = -shadow.offset;
   shadow.width = widthOf(ring, levels, map, meanSide(quad) / grid.cells(), shadow);
-  const Eigen::Vector2d low = boundingBox(quad).min(), high = boundingBox(quad).max();
-  const double margin = kMargin * meanSide(quad);
-  shadow.region =
-      cv::Rect(cv::Point(cv::saturate_cast<int>(low.x() - margin), cv::saturate_cast<int>(low.y() - margin)),
-               cv::Point(cv::saturate_cast<int>(high.x() + margin), cv::saturate_cast<int>(high.y() + margin)));
+  shadow.region = regionRound(quad);
   return shadow;
 }
 
