@@ -28,9 +28,8 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
-_TURNED_ON_THE_WAY = (
-    0.4  # [rad] a larger turn comes before driving: backing out of it would take the markers out of view
-)
+# [rad] A larger turn comes before driving: backing out of it would take the markers out of view.
+_TURNED_ON_THE_WAY = 0.4
 _NEAR_FACTOR = 10.0  # of a second near the bay's corners, where the path is to give room
 
 
