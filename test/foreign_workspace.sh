@@ -10,9 +10,12 @@ ln -s "$root"/{src,config,test} "$workspace/src/seater/"
 ln -s "$(pkg-config --variable=prefix catkin)/share/catkin/cmake/toplevel.cmake" "$workspace/src/CMakeLists.txt"
 unset CMAKE_PREFIX_PATH ROS_PACKAGE_PATH PYTHONPATH LD_LIBRARY_PATH PKG_CONFIG_PATH
 
-configure() { cmake -S "$workspace/src" -B "$workspace/build" -DPYTHON_EXECUTABLE="$1" -DPython3_EXECUTABLE="$1" 2>&1; }
+configure() {
+  cmake -S "$workspace/src" -B "$workspace/build" -DPYTHON_EXECUTABLE="$1" -DPython3_EXECUTABLE="$1" "${@:2}" 2>&1
+}
 
-if refusal=$(configure /usr/bin/python3); then
+# One package is enough to be refused.
+if refusal=$(configure /usr/bin/python3 -DCATKIN_WHITELIST_PACKAGES=seater_nmpc); then
   # Somebody has installed casadi and piqp for all users: then there is nothing to refuse.
   /usr/bin/python3 -c "import casadi, piqp"
 elif ! grep -q "cannot import casadi and piqp" <<<"$(tr -s ' \n' ' ' <<<"$refusal")"; then

@@ -148,11 +148,11 @@ def test_no_motion_at_all_has_no_comfort_to_speak_of() -> None:
 
 
 def test_without_images_poses_have_the_errors_that_perception_would_make(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing is rendered nor detected; the same again; what the mount is off by is in the poses, as in images."""
+    """Nothing is rendered nor detected; what the mount is off by is in the poses, as in images."""
     monkeypatch.setattr(Perception, "__init__", lambda self, c: pytest.fail("perception was used"))
-    row, again = (run_case(replace(job(campaign()), images=False)) for _ in range(2))
+    row = run_case(replace(job(campaign()), images=False))
     assert row["docked"] and row["contact"] and 0.0 < row["position_error_m"] < 0.005, row["text"]
-    assert without_times(again) == without_times(row) and "core_render_s" not in row
+    assert "core_render_s" not in row  # and that the same comes out again: test_campaign_command.py, replayed
     off = campaign(mount={"turned": {"simulated_chair": {"camera": {"y": 0.008}}}})
     shifted = run_case(replace(job(off), images=False))
     assert abs(abs(shifted["lateral_error_m"] - row["lateral_error_m"]) - 0.008) < 0.004, shifted["text"]

@@ -55,7 +55,7 @@ def test_without_a_fault_nothing_is_noticed() -> None:
     assert values["noticed_s"] is None and values["moved_after_fault_m"] is None
 
 
-@pytest.mark.parametrize("seed", [1948572698, 488771531])
+@pytest.mark.parametrize("seed", [1948572698, pytest.param(488771531, marks=pytest.mark.extensive)])
 def test_patches_of_a_wet_floor_are_no_wrong_installation(seed: int) -> None:
     """Both docked within 8 mm and ended INCONSISTENT: a camera 45 or 21 mm off was made out of what the wheels lost."""
     values, _ = run(Job(str(CONFIG), rows()["issue"][0], seed))

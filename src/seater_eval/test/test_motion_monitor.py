@@ -22,7 +22,12 @@ ALL = [("issue", seed) for seed in range(3 * SEEDS)] + [
     (row.name, seed) for row in [*rows()["effects"], *rows()["turned"], *rows()["beside"]] for seed in range(SEEDS)
 ]
 # Castors and slope at twice their values (0.2 rad/s, 4 deg); delay of 0.25 s and lags up to 0.3 s; slow odometry.
-SOME = [("castors_2x", 0), ("slope_2x", 1), ("odometry_rate_5", 0), ("zero_twist", 0)]
+SOME = [
+    ("castors_2x", 0),
+    pytest.param("slope_2x", 1, marks=pytest.mark.extensive),
+    ("odometry_rate_5", 0),
+    pytest.param("zero_twist", 0, marks=pytest.mark.extensive),
+]
 
 
 def alarm(log: Log) -> tuple[float, seater_safety.GateState, str] | None:

@@ -93,7 +93,13 @@ def test_every_peer_has_its_maker_and_its_dictionaries(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "command", ["perception_accuracy", "perception_range", "perception_speed", "perception_photographs"]
+    "command",
+    [
+        "perception_accuracy",
+        pytest.param("perception_range", marks=pytest.mark.extensive),
+        pytest.param("perception_speed", marks=pytest.mark.extensive),
+        "perception_photographs",
+    ],
 )
 def test_commands_name_a_folder_without_peers(command: str, tmp_path: Path) -> None:
     words = [sys.executable, str(ROOT / "src/seater_eval/nodes" / command), "--quick", "--config", str(ROOT / "config")]

@@ -28,7 +28,11 @@ def run(command: str, results: Path, *options: str, config: Path = ROOT / "confi
 
 
 @pytest.mark.parametrize(
-    "command", ["perception_accuracy", "perception_range", "perception_shadows", "perception_speed"]
+    "command",
+    [
+        "perception_accuracy",
+        *[pytest.param(f"perception_{name}", marks=pytest.mark.extensive) for name in ("range", "shadows", "speed")],
+    ],
 )
 def test_wrong_configuration(command: str, tmp_path: Path) -> None:
     config = tmp_path / "config"

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from conftest import AT_ONCE
+from conftest import AT_ONCE, seldom
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import arc_step
@@ -85,7 +85,7 @@ def problem_of(horizon: int) -> Problem:
     )
 
 
-@pytest.fixture(scope="module", params=SOLVERS)
+@pytest.fixture(scope="module")
 def sabotaged(request):
     """Each solver in a controller without a clock, and the same solver's saboteur."""
     parameters = replace(ControlParameters(prediction=AT_ONCE), solver=request.param, horizon=15, step=0.2)
@@ -122,7 +122,14 @@ MODES = {
 }
 
 
-@pytest.mark.parametrize("mode", MODES)
+ALWAYS = ("raises", "x not finite", "wrong length")  # with each solver; the others with one, as the guard is the same
+
+
+@pytest.mark.parametrize(
+    ("sabotaged", "mode"),
+    [(s, m) if s == "rti" or m in ALWAYS else seldom(s, m) for s in SOLVERS for m in MODES],
+    indirect=["sabotaged"],
+)
 def test_a_spoilt_result_leads_down_the_chain_and_back(sabotaged, mode) -> None:
     saboteur, controller = sabotaged
     controller.reset()
@@ -140,7 +147,7 @@ def test_a_spoilt_result_leads_down_the_chain_and_back(sabotaged, mode) -> None:
     assert again[-1].status not in FALLBACK and controller.counters.consecutive_failures == 0
 
 
-@pytest.mark.parametrize("name", SOLVERS)
+@pytest.mark.parametrize("name", [seldom(name) if name == "ipopt_default" else name for name in SOLVERS])
 def test_a_late_result_is_not_used_but_gone_on_from(name, monkeypatch) -> None:
     """With a clock that only the saboteur moves on: a loaded machine is not late by itself."""
     base = replace(ControlParameters(prediction=AT_ONCE), solver=name, horizon=10, step=0.2)

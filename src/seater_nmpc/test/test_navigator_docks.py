@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from conftest import seldom
 from driving import distance_to
 
 from seater_common.geometry import Chair, Dock
@@ -21,7 +22,7 @@ BEHIND_THE_BOX = (-4.0, 0.0, 0.0)
     ("start", "middle", "half"),
     [
         ((-3.2, 0.6, -0.175), (-2.17, 0.03), 0.15),
-        ((-3.2, 0.6, -0.175), (-2.27, 0.06), 0.15),
+        seldom((-3.2, 0.6, -0.175), (-2.27, 0.06), 0.15),
         ((-3.8, 1.2, -0.5), (-2.8, 0.6), 0.25),
     ],
 )

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from chairs import SlowChair
+from conftest import seldom
 from driving import CHAIR, DOCK
 
 from seater_nmpc.control.cold_start import heading_for_target, standing
@@ -14,7 +15,10 @@ VIEW = 0.78  # [rad] half of what the camera sees
 BEFORE_THE_BAY = np.array([-0.9, 0.0, 0.0])  # the target
 
 
-@pytest.mark.parametrize("start", [(-3.72, 1.45, 0.23), (-3.26, 1.49, 0.165), (-3.26, 1.16, 0.2), (-3.7, -1.45, -0.23)])
+FAR = [(-3.72, 1.45, 0.23), seldom((-3.26, 1.49, 0.165)), seldom((-3.26, 1.16, 0.2)), (-3.7, -1.45, -0.23)]
+
+
+@pytest.mark.parametrize("start", FAR)
 def test_a_far_chair_turned_aside_drives_forward_at_once(start) -> None:
     """From standing alone the optimisation found the minimum beside it: to back off, until no marker was in view."""
     controller = DockingController(CHAIR, DOCK, ControlParameters(view_half_angle=VIEW), deterministic=True)

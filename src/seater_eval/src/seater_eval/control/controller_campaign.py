@@ -41,10 +41,13 @@ class CampaignJob:
     solver: str  # empty: that of config/controller.yaml
     noise: NoiseModel
     plant: str = ""  # kinematic or wheelchair; empty: that of config/simulator.yaml
+    mesh: tuple[int, int] = (40, 20)  # steps of the minimum time's motion ahead of the bay and inside it
 
 
 @functools.lru_cache(maxsize=2)
-def _tools(config: str, solver: str, plant: str = "") -> tuple[Setup, DockingController, Navigator, MinimumTime]:
+def _tools(
+    config: str, solver: str, plant: str = "", mesh: tuple[int, int] = CampaignJob.mesh
+) -> tuple[Setup, DockingController, Navigator, MinimumTime]:
     """Made once in each process. No wall-time limit: a loaded machine decides the same."""
     setup = _with_plant(load_setup(config), plant)
     if solver:
@@ -54,7 +57,7 @@ def _tools(config: str, solver: str, plant: str = "") -> tuple[Setup, DockingCon
     controller = DockingController(setup.chair, setup.dock, control, deterministic=True, camera=setup.camera)
     controller.warm_up()
     navigator = Navigator(setup.chair, setup.dock, control, setup.parameters.planner, setup.camera)
-    return setup, controller, navigator, MinimumTime(setup.chair, setup.dock, setup.dock.tolerance)
+    return setup, controller, navigator, MinimumTime(setup.chair, setup.dock, setup.dock.tolerance, mesh)
 
 
 def _with_plant(setup: Setup, kind: str) -> Setup:
@@ -75,7 +78,7 @@ def _told(setup: Setup) -> Prediction:
 
 def run_campaign_job(job: CampaignJob) -> dict[str, Any]:
     """The docking, the bound for its time, and the feedback laws from the same start."""
-    setup, controller, navigator, minimum = _tools(job.config, job.solver, job.plant)
+    setup, controller, navigator, minimum = _tools(job.config, job.solver, job.plant, job.mesh)
     run = DockingRun(setup, job.case, controller, job.noise, navigator)
     trajectory = run.run()
     result = run_values(run, trajectory, job.case)
@@ -107,12 +110,13 @@ def run_campaign(
     plant: str = "",
     workers: int | None = None,
     noise: NoiseModel | None = None,
+    mesh: tuple[int, int] = CampaignJob.mesh,
     partial: Path | None = None,
 ) -> dict[str, Any]:
     """All runs, in the order of their index. `partial`: see run_long."""
     setup, noise = _with_plant(load_setup(config), plant), noise or NoiseModel()
     cases = draw_cases(setup, runs, seed, noise, True)
-    jobs = [CampaignJob(str(config), case, solver, noise, plant) for case in cases]
+    jobs = [CampaignJob(str(config), case, solver, noise, plant, mesh) for case in cases]
     results = run_long(
         run_campaign_job,
         jobs,
@@ -134,5 +138,6 @@ def run_campaign(
         "formulation": setup.parameters.control.formulation,
         "docking_time": "from the goal until the true pose stays within the tolerance",
         "minimum_time": "same limits and walls, to the set from which the tolerance need not be left; no obstacles",
+        "minimum_time_steps": list(mesh),
     }
     return {"seed": seed, "conditions": conditions, "summary": summarize_runs(results), "runs": results}
