@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+import yaml
 
 from seater_common.params import ParameterError
 from seater_tools.stages.report import as_json, conclusion, describe
@@ -15,15 +16,24 @@ FILE = Path(__file__).resolve().parents[3] / "config" / "diagnostics.yaml"
 NODES = {"camera": "marker_detector", "detection": "marker_detector", "pose": "marker_detector", "gate": "safety_gate"}
 
 
+SELDOM = ("obstacles", "inputs")  # not every chair has them
+
+
 def everybody(**other: Entry) -> list[Entry]:
     """All stages in order, but those given by name."""
-    names = [name for name in ORDER if name not in ("obstacles", "inputs")]
+    names = [name for name in ORDER if name not in SELDOM]
     good = {name: Entry(f"{NODES.get(name, 'docking')}: {name}", Level.OK, "fine", 0.5) for name in names}
     return list((good | other).values())
 
 
 def test_the_file_names_the_stages_in_their_order() -> None:
     assert tuple(stage.name for stage in read_stages(FILE)) == ORDER
+
+
+def test_diagnostic_aggregator_bears_what_a_chair_has_not() -> None:
+    """Without `discard_stale` it calls a stage of which it heard nothing stale, and the whole chair an error."""
+    analyzers = yaml.safe_load(FILE.read_text())["analyzers"]
+    assert {name for name, keys in analyzers.items() if keys.get("discard_stale")} == set(SELDOM)
 
 
 def test_nothing_fails() -> None:
