@@ -21,19 +21,20 @@ SHOWN_INFLUENCES = 12
 def distributions(rows: Sequence[Row]) -> Any:
     """A histogram for each measure, of docked runs, with median and 95th percentile."""
     docked = [row for row in rows if row["docked"]]
+    missing = "not measured" if docked else "no docked run"  # the shortest time is, by option
     fig, axes = figure(4, -(-len(MEASURES) // 4), width=3.3, height=2.3)
     for place, (column, factor, name) in zip(axes.ravel(), MEASURES, strict=False):
-        _histogram(place, measured(docked, column, factor), name)
+        _histogram(place, measured(docked, column, factor), name, missing)
     for place in axes.ravel()[len(MEASURES) :]:
         place.set_axis_off()
     return fig
 
 
-def _histogram(axes: Axes, values: list[float], name: str) -> None:
+def _histogram(axes: Axes, values: list[float], name: str, missing: str) -> None:
     axes.set_title(name, fontsize=9)
     axes.tick_params(labelsize=7)
     if not values:
-        axes.text(0.5, 0.5, "no docked run", ha="center", va="center", transform=axes.transAxes, fontsize=8)
+        axes.text(0.5, 0.5, missing, ha="center", va="center", transform=axes.transAxes, fontsize=8)
         return
     whole = all(float(value).is_integer() for value in values)
     bins = np.arange(min(values) - 0.5, max(values) + 1.5) if whole and max(values) < 60 else 30
