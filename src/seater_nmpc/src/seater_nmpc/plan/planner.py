@@ -22,7 +22,7 @@ from seater_common.sight import Sight
 from seater_nmpc.parameters import PlannerParameters
 from seater_nmpc.plan import no_way
 from seater_nmpc.plan.free_space import FreeSpace, final_straight_x
-from seater_nmpc.plan.lattice import BACKWARD, FORWARD, STAND, Lattice
+from seater_nmpc.plan.lattice import BACKWARD, FORWARD, MODES, STAND, Lattice
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -104,7 +104,11 @@ class Planner:
         modes = np.array(nodes) // self._lattice.size
         moved = np.concatenate([[True], at[1:] != at[:-1]])
         poses = np.vstack([start, self._poses[at[moved]]])
-        return Path(poses, _backward(poses, modes[moved]), duration)
+        backward = _backward(poses, modes[moved])
+        turned = _turns(modes[moved])
+        if backward[turned + 1 :][:1].any() and not backward[1]:  # where it stands: a step to the lattice is a to and fro
+            poses[1 : turned + 1, :2] = start[:2]
+        return Path(poses, backward, duration)
 
     @property
     def open(self) -> bool:
@@ -175,14 +179,14 @@ class Planner:
             costs.append(np.full(len(everywhere), duration))
         goals = self._goals(free)
         self._open = len(goals) > 0
-        rows.append(np.full(len(goals), 3 * size))
+        rows.append(np.full(len(goals), MODES * size))
         columns.append(FORWARD * size + goals)
         costs.append(1e-3 + self._time_from(self._poses[goals]))
         graph = coo_matrix(
-            (np.concatenate(costs), (np.concatenate(rows), np.concatenate(columns))), shape=(3 * size + 1,) * 2
+            (np.concatenate(costs), (np.concatenate(rows), np.concatenate(columns))), shape=(MODES * size + 1,) * 2
         ).tocsr()
-        self._to_go, before = dijkstra(graph, indices=3 * size, return_predecessors=True)
-        self._next = np.where((before < 0) | (before == 3 * size), -1, before).astype(np.intp)
+        self._to_go, before = dijkstra(graph, indices=MODES * size, return_predecessors=True)
+        self._next = np.where((before < 0) | (before == MODES * size), -1, before).astype(np.intp)
 
     def _goals(self, free: NDArray[np.bool_]) -> Indices:
         """Poses on the dock's axis from which the way into the bay is straight and clear."""
@@ -207,8 +211,13 @@ class Planner:
 def _backward(poses: Array, modes: Indices) -> NDArray[np.bool_]:
     """(n,) whether the motion that ends in each of the `poses` (n, 3) is backward. The step from the start onto the
     lattice, with a small turn on the spot, is no leg of its own: the first leg begins with it."""
-    backward = modes == BACKWARD
-    driven = np.flatnonzero(modes != STAND)
-    if len(driven) and abs(wrap_angle(float(poses[driven[0], 2] - poses[0, 2]))) <= _TURNED_ON_THE_WAY:
-        backward[: driven[0]] = backward[driven[0]]
+    backward, turns = modes == BACKWARD, _turns(modes)
+    if turns < len(modes) and abs(wrap_angle(float(poses[turns, 2] - poses[0, 2]))) <= _TURNED_ON_THE_WAY:
+        backward[:turns] = backward[turns]
     return np.asarray(np.concatenate([[False], backward]))
+
+
+def _turns(modes: Indices) -> int:
+    """How many of the motions come before it drives: the step from the start onto the lattice, and turns there."""
+    drives = (modes == FORWARD) | (modes == BACKWARD)
+    return int(np.argmax(drives)) if drives.any() else len(modes)
