@@ -15,7 +15,8 @@ from seater_nmpc.plan.free_space import FINAL_STRAIGHT
 from seater_nmpc.plan.guide import Guide
 from seater_nmpc.plan.lattice import BACKWARD, FORWARD, STAND, STAND_AFTER_FORWARD, Lattice
 from seater_nmpc.plan.navigator import Navigator
-from seater_nmpc.plan.planner import Path, Planner
+from seater_nmpc.plan.path import Path
+from seater_nmpc.plan.planner import Planner
 
 CHAIR, DOCK, PARAMETERS, CONTROL = Chair(), Dock(), PlannerParameters(), ControlParameters()
 FIELD = FieldOfView.symmetric(0.6)

@@ -33,7 +33,7 @@ def test_a_centimetre_back_before_a_way_ahead_is_left_out_for_a_while(before: fl
 @pytest.mark.parametrize(
     ("speeds", "v", "before"),
     [
-        ((0.0, -0.2, -0.3, -0.2, 0.0, 0.3, 0.5), -0.1, 0.0),  # 7 cm back
+        ((0.0, -0.2, -0.3, -0.2, 0.0, 0.3, 0.5, 0.5, 0.5), -0.1, 0.0),  # 7 cm back
         ((0.0, -0.05, -0.05, 0.0, 0.0, 0.0, 0.0), -0.03, 0.0),  # back to where it stays
         ((0.0, -0.05, -0.05, 0.0, 0.01, 0.01, 0.0), -0.03, 0.0),  # and hardly ahead
         ((-0.2, -0.05, 0.0, 0.2, 0.4, 0.5, 0.5), -0.12, -0.2),  # the end of a way back
