@@ -45,6 +45,8 @@ def test_a_case_docks_out_of_images_and_comes_out_the_same_again() -> None:
     again, started = docking_row(job(made))
     assert without_times(again) == without_times(first)
     assert started is not None
+    view = started[1].sequence._controller._areas.view  # what the node learns from camera_info
+    assert np.array_equal(view.camera.K, started[0].camera.K)
     trace = started[1].trace
     assert len(trace.images) == first["images"]
     steps = np.diff(trace.cycles[:, 0])  # odometry comes every 20 ms, cycles are due every 50 ms

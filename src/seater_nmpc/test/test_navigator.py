@@ -13,9 +13,10 @@ from seater_common.se2 import relative
 from seater_nmpc.parameters import ControlParameters, PlannerParameters
 from seater_nmpc.plan.free_space import FINAL_STRAIGHT
 from seater_nmpc.plan.guide import Guide
-from seater_nmpc.plan.lattice import BACKWARD, FORWARD, STAND, Lattice
+from seater_nmpc.plan.lattice import BACKWARD, FORWARD, STAND, STAND_AFTER_FORWARD, Lattice
 from seater_nmpc.plan.navigator import Navigator
-from seater_nmpc.plan.planner import Path, Planner
+from seater_nmpc.plan.path import Path
+from seater_nmpc.plan.planner import Planner
 
 CHAIR, DOCK, PARAMETERS, CONTROL = Chair(), Dock(), PlannerParameters(), ControlParameters()
 FIELD = FieldOfView.symmetric(0.6)
@@ -140,7 +141,20 @@ def test_the_step_onto_the_lattice_is_no_leg_of_its_own(planner: Planner) -> Non
 def test_driving_backward_costs_more_than_its_time() -> None:
     changes = {change[:2]: change[2] for change in Lattice(CHAIR, PARAMETERS).mode_changes()}
     assert changes[STAND, BACKWARD] == pytest.approx(changes[BACKWARD, STAND] + 2.0)
-    assert changes[STAND, FORWARD] == changes[FORWARD, STAND]
+    assert changes[STAND_AFTER_FORWARD, BACKWARD] == pytest.approx(changes[STAND, BACKWARD] + 3.0)
+    assert changes[STAND, FORWARD] == changes[FORWARD, STAND_AFTER_FORWARD] == changes[STAND_AFTER_FORWARD, FORWARD]
+
+
+@pytest.mark.parametrize("start", [(-1.8, 1.37, -1.01), (-1.58, -1.37, 0.96), (-1.06, 0.69, -0.43)])
+def test_beside_the_bay_it_backs_up_first_rather_than_between_two_ways_forward(
+    planner: Planner, start: tuple[float, float, float]
+) -> None:
+    """It was driven to the bay's corner, back from there, and in; a turn comes first where it stands."""
+    path = planner.path(start)
+    assert path is not None and np.any(path.backward)
+    first = int(np.argmax(path.backward))  # the motion that ends in this pose
+    assert path.poses[:first, :2] == pytest.approx(np.tile(path.poses[0, :2], (first, 1)))
+    assert np.count_nonzero(np.diff(path.backward[first:].astype(int))) == 1
 
 
 def test_an_open_dock_is_reached_on_a_final_straight() -> None:

@@ -86,3 +86,16 @@ def test_backward_is_the_same() -> None:
 
 def mirrored(of: Callable[[float], float]) -> Callable[[float], float]:
     return lambda stamp: -of(stamp)
+
+
+def test_one_that_has_just_been_late_to_speed_up_is_late_to_slow_down() -> None:
+    """Its delay and its lag, here 0.4 and 0.3 s, are longer than is known yet, here 0.15 and 0.2 s."""
+
+    def soon(stamp: float) -> float:
+        return 0.5 * stamp if stamp < 1.2 else max(0.3, 0.6 - 0.3 * max(0.0, stamp - 1.5))
+
+    slowing, speed = Slowing(CommandHistory(Prediction(command_delay=0.15, motor_lag=0.2)), Chair().limits), 0.0
+    for cycle in range(1, 60):
+        now = CYCLE * cycle
+        speed += (soon(max(0.0, now - 0.4)) - speed) * (1.0 - math.exp(-CYCLE / 0.3))
+        assert slowing.keeps(now, speed, soon) is None

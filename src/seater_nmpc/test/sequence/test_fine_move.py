@@ -178,3 +178,10 @@ def test_a_chair_that_does_not_roll_though_a_stop_seemed_to_show_it_is_not_pushe
         if abs(x) < 0.006:
             break
     assert abs(x) < 0.006
+
+
+def test_a_push_ahead_is_tried_where_one_back_is_not() -> None:
+    """What stands 4.4 mm off behind a deadband: ahead it costs no change of direction."""
+    drive = ChairDrive(AxisDrive(1.0, 0.03, True), AxisDrive(), 0.28, 0.28)
+    ahead, back = (FineMove(np.array([x, 0.0, 0.0]), False, drive, LIMITS, 0.08) for x in (-0.0044, 0.0044))
+    assert ahead.is_worthwhile and not back.is_worthwhile

@@ -19,6 +19,7 @@ from seater_nmpc.control.command import Command, Counters, Status
 from seater_nmpc.control.limits import clamp, in_bay, within_reach
 from seater_nmpc.control.pace import LONGEST_PERIOD, Pace
 from seater_nmpc.control.replanner import Replanner, composed
+from seater_nmpc.control.to_and_fro import ToAndFro
 from seater_nmpc.observe.prediction import CommandHistory, coasting_pose
 from seater_nmpc.ocp.areas import dock_areas
 from seater_nmpc.parameters import ControlParameters
@@ -89,6 +90,7 @@ class DockingController:
         self.pace.restart()
         self._last_pose: tuple[float, Array] | None = None
         self._replanner.reset()
+        self._to_and_fro = ToAndFro()
         self.counters.consecutive_failures = 0
 
     def forget_chair(self) -> None:
@@ -262,6 +264,7 @@ class DockingController:
         plan = self._replanner.plan
         assert plan is not None  # a usable solution leaves one
         v, omega = plan.speeds_at(0.0 if plan.speeds_held else self.period)
+        v = self._to_and_fro.speed(stamp, plan, v, before[0])
         wanted = clamp(self._chair, v, omega, before, self.period, slow)
         self.counters.consecutive_failures = 0
         if not self._stops_clear(*wanted):

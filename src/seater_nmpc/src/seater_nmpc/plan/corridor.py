@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +12,9 @@ from seater_nmpc.parameters import SequenceParameters
 from seater_nmpc.plan.free_space import final_straight_x
 
 Array = NDArray[np.float64]
+
+_WOULD_PASS = 0.5  # of the corridor's width and heading at the gate
+_ANSWERS, _LEAST = 4.0, 0.12  # times its reaction that it has to the gate; [m/s]
 
 
 class Corridor:
@@ -30,6 +35,15 @@ class Corridor:
     def missed(self, pose: Array) -> bool:
         """Whether the chair is past the gate and outside the corridor."""
         return float(pose[0]) > self._gate_x and not self.contains(pose)
+
+    def speed(self, pose: Array, reaction: float) -> float:
+        """Most [m/s] ahead of the gate for a chair that answers within `reaction` [s] and that would not pass it as it
+        is at `pose`: it has to have time to mend that, or it has to back out. Infinite where it would."""
+        p, ahead = self._parameters, self._gate_x - float(pose[0])
+        aside = max(abs(float(pose[1])) / p.corridor_half_width, abs(float(pose[2])) / p.corridor_heading)
+        if ahead <= 0.0 or aside <= _WOULD_PASS:
+            return math.inf
+        return max(_LEAST, ahead / max(_ANSWERS * reaction, 1e-3))
 
 
 _MOST_BEYOND, _FREE = 0.04, 0.03  # [m] beyond the dock at most; that stay free ahead of the chair

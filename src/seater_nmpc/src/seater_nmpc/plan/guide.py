@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seater_common.se2 import relative, wrap_angle, wrap_angles
 from seater_nmpc.parameters import PlannerParameters
-from seater_nmpc.plan.planner import Path
+from seater_nmpc.plan.path import Path
 
 Array = NDArray[np.float64]
 

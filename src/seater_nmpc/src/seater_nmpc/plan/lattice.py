@@ -6,7 +6,7 @@ which a unicycle can drive exactly, too. (State lattice: Pivtoraiko, Knepper, Ke
 frame.
 
 A node is (mode, heading, row along x, column along y). The mode is what the chair does there: drive forward, drive
-backward, or stand; changing it costs the time to brake or to gain speed.
+backward, or stand, having driven forward last or not; changing it costs the time to brake or to gain speed.
 """
 
 from __future__ import annotations
@@ -32,10 +32,13 @@ VECTORS = np.array(
     ]
 )
 HEADINGS = np.arctan2(VECTORS[:, 1], VECTORS[:, 0])  # [rad], (16,)
-FORWARD, BACKWARD, STAND = 0, 1, 2  # modes
+FORWARD, BACKWARD, STAND, STAND_AFTER_FORWARD = 0, 1, 2, 3  # modes; a path begins with STAND
+MODES = 4
 # [s] that driving backward costs beside its time. Nobody in the seat likes it, and on a real chair, whose motors and
 # castors have to turn round each time, a few decimetres back and forth take as long.
-_REVERSAL = 2.0
+_BACKWARD = 2.0
+# [s] more where it has driven forward before: to back up first is one change of direction, and this is two.
+_AFTER_FORWARD = 3.0
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,7 @@ class Lattice:
         self.x = p.cell * np.arange(-ahead, beyond + 1)
         self.y = p.cell * np.arange(-aside, aside + 1)
         self.shape = (len(HEADINGS), len(self.x), len(self.y))
-        self.size = math.prod(self.shape)  # poses; nodes are three times as many
+        self.size = math.prod(self.shape)  # poses; nodes are MODES times as many
         self._limits = chair.limits
         self.motions = [motion for heading in range(len(HEADINGS)) for motion in self._motions(heading)]
 
@@ -91,9 +94,14 @@ class Lattice:
         Driving backward costs more."""
         limits = self._limits
         forward, backward = 0.5 * limits.v_max / limits.a_max, 0.5 * limits.v_reverse_max / limits.a_max
-        both = [(FORWARD, forward), (BACKWARD, backward)]
-        changes = [change for mode, cost in both for change in ((mode, STAND, cost), (STAND, mode, cost))]
-        return [(a, b, cost + _REVERSAL * (b == BACKWARD)) for a, b, cost in changes]
+        return [
+            (FORWARD, STAND_AFTER_FORWARD, forward),
+            (STAND_AFTER_FORWARD, FORWARD, forward),
+            (STAND, FORWARD, forward),
+            (BACKWARD, STAND, backward),
+            (STAND, BACKWARD, backward + _BACKWARD),
+            (STAND_AFTER_FORWARD, BACKWARD, backward + _BACKWARD + _AFTER_FORWARD),
+        ]
 
     def _motions(self, heading: int) -> list[Motion]:
         count, limits = len(HEADINGS), self._limits
@@ -106,7 +114,9 @@ class Lattice:
         for after in (heading - 1, heading + 1):
             turn = math.remainder(float(HEADINGS[after % count] - HEADINGS[heading]), 2.0 * math.pi)
             half = (0.0, 0.0, float(HEADINGS[heading]) + 0.5 * turn)
-            result.append(Motion(STAND, heading, after % count, (0, 0), abs(turn) / limits.omega_max, half))
+            duration = abs(turn) / limits.omega_max
+            for mode in (STAND, STAND_AFTER_FORWARD):
+                result.append(Motion(mode, heading, after % count, (0, 0), duration, half))
         return result
 
     def _drive(self, mode: int, sign: int, speed: float, heading: int, after: int) -> Motion:

@@ -8,7 +8,7 @@ controller drives along it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,29 +17,18 @@ from scipy.sparse.csgraph import dijkstra
 
 from seater_common.field_of_view import FieldOfView
 from seater_common.geometry import Chair, Dock
-from seater_common.se2 import wrap_angle, wrap_angles
+from seater_common.se2 import wrap_angles
 from seater_common.sight import Sight
 from seater_nmpc.parameters import PlannerParameters
 from seater_nmpc.plan import no_way
 from seater_nmpc.plan.free_space import FreeSpace, final_straight_x
-from seater_nmpc.plan.lattice import BACKWARD, FORWARD, STAND, Lattice
+from seater_nmpc.plan.lattice import FORWARD, MODES, STAND, Lattice, Motion
+from seater_nmpc.plan.path import Path, path_of
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-
-# [rad] A larger turn comes before driving: backing out of it would take the markers out of view.
-_TURNED_ON_THE_WAY = 0.4
 _NEAR_FACTOR = 10.0  # of a second near the bay's corners, where the path is to give room
-
-
-@dataclass(frozen=True)
-class Path:
-    """A way to the corridor, in the dock's frame."""
-
-    poses: Array  # (n, 3)
-    backward: NDArray[np.bool_]  # (n,) whether the motion that ends in this pose is backward
-    duration: float  # [s] that the search reckons with
 
 
 class Planner:
@@ -103,8 +92,7 @@ class Planner:
         at = self._lattice.pose_index(np.array(nodes))
         modes = np.array(nodes) // self._lattice.size
         moved = np.concatenate([[True], at[1:] != at[:-1]])
-        poses = np.vstack([start, self._poses[at[moved]]])
-        return Path(poses, _backward(poses, modes[moved]), duration)
+        return path_of(start, self._poses[at[moved]], modes[moved], duration)
 
     @property
     def open(self) -> bool:
@@ -159,12 +147,7 @@ class Planner:
         areas = [*self._walls, *self._obstacles]
         size, free, factor = self._lattice.size, self._free.clear(self._poses, areas), self._factor
         rows, columns, costs = [], [], []
-        for motion, start, end in self._motions:
-            open_ = free[start] & free[end]
-            start, end = start[open_], end[open_]
-            middles = np.column_stack([self._poses[start, :2], np.zeros(len(start))]) + motion.middle
-            clear = self._free.clear(middles, areas)
-            start, end = start[clear], end[clear]
+        for motion, start, end in self._clear_edges(free, areas):
             rows.append(motion.mode * size + end)
             columns.append(motion.mode * size + start)
             costs.append(motion.duration * 0.5 * (factor[start] + factor[end]))
@@ -175,14 +158,27 @@ class Planner:
             costs.append(np.full(len(everywhere), duration))
         goals = self._goals(free)
         self._open = len(goals) > 0
-        rows.append(np.full(len(goals), 3 * size))
+        rows.append(np.full(len(goals), MODES * size))
         columns.append(FORWARD * size + goals)
         costs.append(1e-3 + self._time_from(self._poses[goals]))
         graph = coo_matrix(
-            (np.concatenate(costs), (np.concatenate(rows), np.concatenate(columns))), shape=(3 * size + 1,) * 2
+            (np.concatenate(costs), (np.concatenate(rows), np.concatenate(columns))), shape=(MODES * size + 1,) * 2
         ).tocsr()
-        self._to_go, before = dijkstra(graph, indices=3 * size, return_predecessors=True)
-        self._next = np.where((before < 0) | (before == 3 * size), -1, before).astype(np.intp)
+        self._to_go, before = dijkstra(graph, indices=MODES * size, return_predecessors=True)
+        self._next = np.where((before < 0) | (before == MODES * size), -1, before).astype(np.intp)
+
+    def _clear_edges(self, free: NDArray[np.bool_], areas: list[Array]) -> Iterator[tuple[Motion, Indices, Indices]]:
+        """Each motion with the poses in which it may begin and end."""
+        known: dict[tuple[int, int, tuple[int, int]], NDArray[np.bool_]] = {}  # whichever way it is driven
+        for motion, start, end in self._motions:
+            (dx, dy), there = motion.shift, (motion.heading, motion.heading_after, motion.shift)
+            clear = known.get(there)
+            if clear is None:
+                clear = free[start] & free[end]
+                begin = self._poses[start[clear], :2]
+                clear[clear] = self._free.clear(np.column_stack([begin, np.zeros(len(begin))]) + motion.middle, areas)
+                known[there] = known[motion.heading_after, motion.heading, (-dx, -dy)] = clear
+            yield motion, start[clear], end[clear]
 
     def _goals(self, free: NDArray[np.bool_]) -> Indices:
         """Poses on the dock's axis from which the way into the bay is straight and clear."""
@@ -202,13 +198,3 @@ class Planner:
     def _time_from(self, poses: Array) -> Array:
         """Seconds from goals, all ahead of the dock, straight to its frame (the bay's limit is the same for all)."""
         return -poses[:, 0] / self._chair.limits.v_max
-
-
-def _backward(poses: Array, modes: Indices) -> NDArray[np.bool_]:
-    """(n,) whether the motion that ends in each of the `poses` (n, 3) is backward. The step from the start onto the
-    lattice, with a small turn on the spot, is no leg of its own: the first leg begins with it."""
-    backward = modes == BACKWARD
-    driven = np.flatnonzero(modes != STAND)
-    if len(driven) and abs(wrap_angle(float(poses[driven[0], 2] - poses[0, 2]))) <= _TURNED_ON_THE_WAY:
-        backward[: driven[0]] = backward[driven[0]]
-    return np.asarray(np.concatenate([[False], backward]))

@@ -26,6 +26,9 @@ _FOLLOWS = 0.4  # times what it is asked to: it slows down by at least this, ove
 _BEYOND = 0.03  # [m/s] faster than predicted, whatever the delay
 _DRIVES = 0.1  # [m/s] below, a chair that starts is slower than the prediction of a delay that is not learned yet
 _MEMORY = 1.0  # [s]
+# [m/s] slower than predicted, whatever the delay, and [s] after that, in which its delay or lag is not learned yet: one
+# of 30 independent chairs was called a runaway 2.5 s after its first command.
+_LATE, _LEARNS = 0.05, 1.5
 _SAME_TIME = 1e-6  # [s]
 
 
@@ -47,6 +50,7 @@ class Slowing:
     def restart(self) -> None:
         """What came before does not count."""
         self._moments: deque[_Moment] = deque()
+        self._late = -math.inf  # when it was slower to speed up than predicted
 
     def keeps(self, now: float, speed: float, asked: Callable[[float], float]) -> float | None:
         """The speed [m/s] that was to be expected of a chair that drives at `speed` at message time `now` [s] and does
@@ -57,7 +61,9 @@ class Slowing:
             self._moments.popleft()
         forward = math.copysign(1.0, speed)
         expected = max(forward * one for one in newest.predicted)
-        if abs(speed) < _DRIVES or abs(speed) < expected + _BEYOND:
+        if abs(speed) < min(forward * one for one in newest.predicted) - _LATE:
+            self._late = now
+        if abs(speed) < _DRIVES or abs(speed) < expected + _BEYOND or now - self._late < _LEARNS:
             return None
         keeps = any(self._keeps_over(newest, forward, *window) for window in _WINDOWS)
         return forward * expected if keeps else None

@@ -60,10 +60,10 @@ class ImageDocking:
         with self._timed("setup"):
             self._vehicle = Vehicle(c.chair, c.dock)
             chair = self._vehicle.chair
-            controller = tools.controller(chair, c.dock, parameters)
+            controller = tools.controller(chair, c.dock, parameters, c.camera)
             controller.set_obstacles([obstacle.polygon() for obstacle in c.simulator.obstacles])
             self.observer = DockObserver(chair.camera, parameters.observer)
-            navigator = tools.navigator(chair, c.dock, parameters)
+            navigator = tools.navigator(chair, c.dock, parameters, c.camera)
             self.sequence = DockingSequence(
                 chair,
                 c.dock,

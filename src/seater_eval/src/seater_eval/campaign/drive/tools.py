@@ -20,29 +20,31 @@ KEPT = 6  # of each kind: a campaign mixes chairs and docks at random, and a cam
 _kept: dict[str, dict[str, Any]] = {}
 
 
-def controller(chair: Chair, dock: Dock, parameters: NmpcParameters) -> DockingController:
-    """Ready for the first cycle of a run; no wall-time limit, so that a loaded machine decides the same."""
+def controller(chair: Chair, dock: Dock, parameters: NmpcParameters, camera: CameraModel) -> DockingController:
+    """Ready for the first cycle of a run; no wall-time limit, so that a loaded machine decides the same. `camera`: told
+    as camera_info tells the node."""
 
     def make() -> DockingController:
-        made = DockingController(chair, dock, parameters.control, deterministic=True)
+        made = DockingController(chair, dock, parameters.control, deterministic=True, camera=camera)
         made.warm_up()
         return made
 
-    kept = _keep("controller", (chair, dock, parameters.control), make)
+    kept = _keep("controller", (chair, dock, parameters.control, _numbers(camera)), make)
     kept.forget_chair()
     kept.pace.limit()
     return kept
 
 
-def navigator(chair: Chair, dock: Dock, parameters: NmpcParameters) -> Navigator:
-    """With its search ahead of the bay done."""
+def navigator(chair: Chair, dock: Dock, parameters: NmpcParameters, camera: CameraModel) -> Navigator:
+    """With its search ahead of the bay done. `camera`: as the controller's."""
 
     def make() -> Navigator:
-        made = Navigator(chair, dock, parameters.control, parameters.planner)
+        made = Navigator(chair, dock, parameters.control, parameters.planner, camera)
         made.prepare()
         return made
 
-    return _keep("navigator", (chair, dock, parameters.control, parameters.planner), make)
+    key = (chair, dock, parameters.control, parameters.planner, _numbers(camera))
+    return _keep("navigator", key, make)
 
 
 def minimum_time(chair: Chair, dock: Dock) -> MinimumTime:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from seater_nmpc.control.command import Command
 from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.plan.corridor import Corridor
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import IMAGES_THAT_MAY_FAIL, STANDING, Asked, Context
 from seater_nmpc.sequence.phases.finding import Finding
@@ -23,6 +24,7 @@ class Caution:
 
     def __init__(self, context: Context, finding: Finding) -> None:
         self._context, self._finding = context, finding
+        self._corridor = Corridor(context.chair, context.dock, context.parameters)
         self.begin()
 
     def begin(self) -> None:
@@ -58,7 +60,8 @@ class Caution:
 
     def _arrival_speed(self) -> float:
         """[m/s] at which what turns the chair aside (a wet spot, a castor) is seen and mended while there is way left
-        to mend it: `arrival_way` is driven until images have shown it and the motors have answered."""
+        to mend it: `arrival_way` is driven until images have shown it and the motors have answered. So ahead of the
+        bay, too, where the chair would not pass into it yet."""
         c = self._context
         if c.goal.error is None:
             return math.inf
@@ -66,7 +69,8 @@ class Caution:
         reaction = drive.delay + drive.drive.lag_v + c.observer.images.period
         way = c.parameters.arrival_way * (1.0 + _GROWTH * max(0.0, min(distance, _FAR) - _NEAR))
         braking = 2.0 * _BRAKING * c.chair.limits.a_max * max(0.0, distance - _FAR)
-        return math.hypot(way / max(reaction, 1e-3), math.sqrt(braking))
+        arrival = math.hypot(way / max(reaction, 1e-3), math.sqrt(braking))
+        return min(arrival, self._corridor.speed(c.goal.error, reaction))
 
     def _wait_to_be_sure(self, chair: Instant) -> Command | None:
         """Stand while it is not known what is in the way; not for ever."""
