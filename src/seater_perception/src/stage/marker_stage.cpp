@@ -137,14 +137,16 @@ RefinedMarker refineMarker(const PhotometricContext& context, const MarkerEstima
   return refined;
 }
 
-void settleMarker(const PhotometricContext& context, const PosePrior& prior, double shift_sigma,
+void settleMarker(const PhotometricContext& context, const PosePrior& prior, const ShiftEstimate& shifts,
                   MarkerEstimate& marker) {
   auto& hypotheses = marker.hypotheses;
-  marker.shift_sigma = shift_sigma;
+  marker.shifts = shifts;
   ShiftedPlaces places;
-  places.add(marker.size, Eigen::Isometry3d::Identity(), shift_sigma);
+  places.add(marker.size, Eigen::Isometry3d::Identity(), shifts.sigma);
   for (auto& h : hypotheses) {
-    if (const auto covariance = shiftCovariance(context.camera, places, h.pose)) h.covariance += *covariance;
+    h.covariance *= shifts.alike;
+    const auto covariance = shiftCovariance(context.camera, places, h.pose, shifts.smoothness);
+    if (covariance) h.covariance += *covariance;
   }
   const auto unknown = [](const PoseHypothesis& h) { return !meaningful(h); };
   hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), unknown), hypotheses.end());

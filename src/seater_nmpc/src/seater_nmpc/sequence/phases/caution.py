@@ -14,8 +14,8 @@ from seater_nmpc.sequence.phases.finding import Finding
 
 _BY_SIGHT = (Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.CORRECTING, Phase.STAGING)
 _DRIVING = (*_BY_SIGHT, Phase.UNDOCKING, Phase.SEARCHING)
-_NEAR, _FAR = 0.2, 0.6  # [m] before the dock
-_GROWTH = 3.3  # [1/m] of `arrival_way` with the distance between them
+_NEAR, _FAR = 0.15, 0.6  # [m] before the dock
+_GROWTH = 6.0  # [1/m] of `arrival_way` with the distance between them
 _BRAKING = 0.5  # of `a_max`, farther away
 
 
