@@ -25,13 +25,19 @@ LITTLE, USUAL = 0, 1  # slip
 STEP, EVERY = 0.01, 10  # [s]; steps between two images
 STRAIGHT: Way = [(0.4, 0.0, 4.0), (0.15, 0.0, 5.3)]
 CURVED: Way = [(0.3, -0.4, 1.75), (0.3, 0.0, 2.5), (0.3, 0.4, 1.75), (0.2, 0.0, 3.5)]
-AHEAD, ASIDE = (-2.4, 0.0, 0.0), (-2.6, 0.9, 0.0)
+AHEAD, ASIDE, FAR = (-2.4, 0.0, 0.0), (-2.6, 0.9, 0.0), (-2.8, 0.0, 0.0)
 
 
 def look(degrees: float) -> Way:
     """A turn on the spot to both sides and back."""
     duration = math.radians(degrees) / 0.4
     return [(0.0, 0.4, duration), (0.0, -0.4, 2.0 * duration), (0.0, 0.4, duration)]
+
+
+def swing(degrees: float) -> Way:
+    """The same as the docking makes it: castors point ahead before each turn."""
+    ahead, turn = (0.15, 0.0, 1.0), math.radians(degrees) / 0.3
+    return [ahead, (0.0, 0.3, turn), ahead, (0.0, -0.3, 2.0 * turn), ahead, (0.0, 0.3, turn)]
 
 
 def covariance(dock: np.ndarray) -> np.ndarray:
@@ -73,8 +79,9 @@ def bound(way: Way, start: tuple[float, float, float], slip: int = USUAL) -> tup
         (STRAIGHT, AHEAD, USUAL, (35.0, 30.0)),
         (CURVED, ASIDE, LITTLE, (16.0, 7.0)),
         (CURVED, ASIDE, USUAL, (20.0, 13.0)),
-        (look(30.0) + STRAIGHT, AHEAD, USUAL, (27.0, 18.0)),
-        (look(30.0) + [(0.4, 0.0, 3.0)] + look(30.0) + [(0.2, 0.0, 6.0)], AHEAD, USUAL, (8.0, 13.0)),
+        (look(30.0) + STRAIGHT, AHEAD, USUAL, (27.0, 8.4)),
+        (look(30.0) + [(0.4, 0.0, 3.0)] + look(30.0) + [(0.2, 0.0, 6.0)], AHEAD, USUAL, (7.6, 6.0)),
+        (swing(35.0) + [(0.4, 0.0, 3.25)] + swing(35.0) + [(0.2, 0.0, 4.0)], FAR, USUAL, (2.5, 4.0)),
     ],
 )
 def test_what_one_docking_can_tell(
