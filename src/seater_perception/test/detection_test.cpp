@@ -94,6 +94,23 @@ TEST(PixelConvention, countedPixels) {
     EXPECT_LT((corners->corners[i] - expected[i]).norm(), 0.1) << corners->corners[i].transpose();
 }
 
+// A side whose direction is 2e-9 off upright: its crossing with a row beyond its end lay at 3e9 px, past an int.
+TEST(Edges, allButUpright) {
+  cv::Mat image(240, 320, CV_8U, cv::Scalar(220));
+  image(cv::Rect(100, 80, 60, 60)).setTo(30);
+  using V = Eigen::Vector2d;
+  for (double off = 1e-9; off < 1e-3; off *= 1.7) {
+    for (const double e : {off, -off}) {
+      const auto fitted = fitEdges(image, {V(100, 80), V(159, 80 + e), V(159 + e, 139), V(100, 139 - e)}, 4.0);
+      ASSERT_TRUE(fitted) << e;
+      EXPECT_LT((fitted->corners[2] - V(159.5, 139.5)).norm(), 0.1) << e;
+    }
+  }
+  const double far = 1e300, nan = std::nan("");
+  EXPECT_FALSE(fitEdges(image, {V(far, 80), V(159, far), V(-far, 139), V(100, -far)}, 4.0));
+  EXPECT_FALSE(fitEdges(image, {V(nan, 80), V(159, 80), V(159, 139), V(100, 139)}, 4.0));
+}
+
 // Bounds: about twice what was measured (docs/results/perception.md), so that another seed passes and a broken
 // refinement does not.
 TEST(Accuracy, cornersAndRangeByDistance) {

@@ -39,6 +39,7 @@ constexpr double kLargestMove = 1.5, kSmallMove = 0.6;  // of a corner in one pa
 constexpr double kSamples = 2400.0;  // of a side; a longer side gives every third, fifth ... pixel
 // Below, the pixel's own area (sd 0.29 px) hides what the lens does.
 constexpr double kSmallestPsf = 0.1;  // [px]
+constexpr double kFarthest = 1e6;     // [px] no image is so large
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
@@ -107,6 +108,7 @@ bool collect(const cv::Mat& grey, const Side& side, double band, Samples& sample
     cut(dy * side.along.y() - side.middle.x() * side.along.x(), side.along.x(), -reach * side.half, reach * side.half,
         first, last);
     cut(dy * side.outward.y() - side.middle.x() * side.outward.x(), side.outward.x(), -most, most, first, last);
+    if (!(first <= last)) continue;  // of a side that is all but upright, they may be too large for integers
     const int x0 = static_cast<int>(std::ceil(first)), x1 = static_cast<int>(std::floor(last));
     if (x1 < x0) continue;
     // All of the row are written, and what does not count is written over: cheaper than to ask first.
@@ -226,7 +228,7 @@ bool fitStep(Samples& samples, bool bent, double band, Step& step, double& resid
 }
 
 bool fitSide(const cv::Mat& grey, double band, Side& side) {
-  if (2.0 * side.half < kShortestFit) return false;
+  if (!(2.0 * side.half >= kShortestFit) || !(side.middle.norm() + side.half < kFarthest)) return false;
   const bool bent = 2.0 * side.half > kBentFrom;
   Samples samples;
   Step step;
