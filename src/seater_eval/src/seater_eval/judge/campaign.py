@@ -49,13 +49,14 @@ def run_rows(
     driver: str = "sequence",
     told: str = "nothing",
     series: int = 1,
+    check: str = "",
     workers: int | None = None,
     partial: Path | None = None,
 ) -> dict[str, Any]:
     """`runs` dockings of each row, each the last of a `series`; run i has the same seed in every row. `partial`: see
     run_long."""
     seeds = [job_seed(seed, index) for index in range(runs)]
-    jobs = [Job(str(config), row, one, driver, told, series) for row in rows for one in seeds]
+    jobs = [Job(str(config), row, one, driver, told, series, check) for row in rows for one in seeds]
     files = config.rglob("*.yaml")
     results = run_long(run_job, jobs, label="independent_chair", files=files, partial=partial, workers=workers)
     table = [
@@ -68,7 +69,7 @@ def run_rows(
         }
         for index, row in enumerate(rows)
     ]
-    return {"seed": seed, "driver": driver, "told": told, "series": series, "rows": table}
+    return {"seed": seed, "driver": driver, "told": told, "series": series, "check": check, "rows": table}
 
 
 def summarize(runs: Sequence[dict[str, Any]]) -> dict[str, Any]:

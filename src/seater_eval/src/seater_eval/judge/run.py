@@ -49,6 +49,7 @@ class Job:
     driver: str = "sequence"  # of DRIVERS
     told: str = "nothing"
     series: int = 1  # dockings of the same chair, from other starts; the last one is judged
+    check: str = ""  # sequence/installation_check; empty: as the configuration has it
 
 
 @dataclass(frozen=True)
@@ -142,6 +143,9 @@ class _Loop:
         parameters = told_parameters(base, job.told, job.row.effects, self.built)
         if job.driver == "class":
             return ClassDriver(self._files, tools, parameters)
+        if job.check:
+            sequence = dataclasses.replace(parameters.sequence, installation_check=job.check)
+            parameters = dataclasses.replace(parameters, sequence=sequence)
         prior = None
         way, direction, turn = rng.uniform(0.0, _PRIOR[0]), rng.uniform(-math.pi, math.pi), rng.uniform(-1.0, 1.0)
         if job.row.starts != "front":

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 
 from seater_common.params import param
 
+CHECKS = ("never", "when_unknown", "always")
+
 
 @dataclass(frozen=True)
 class Timeouts:
@@ -42,6 +44,23 @@ class SequenceParameters:
         "",
         "where a chair that sees the dock and could not dock ends: where it is, or backed out to the predock point",
         choices=("stay", "predock"),
+    )
+    installation_check: str = param(
+        "never",
+        "",
+        "turns in front of the bay that show where the camera sits; when_unknown: until dockings have shown it",
+        choices=CHECKS,
+    )
+    installation_doubt: float = param(
+        0.012,
+        "m",
+        "final error, as far as seen and as far as unknown, beyond which the installation is not known",
+        low=0.001,
+        high=1.0,
+    )
+    installation_turns: int = param(4, "", "places at which it turns then, at most", low=1, high=10)
+    installation_way: float = param(
+        1.6, "m", "how far ahead of the predock point the farther place is; it may back out to there", low=0.3, high=5.0
     )
     retry_distance: float = param(
         1.0, "m", "how far it backs out then, if it stands nearly right (at most to predock_x)", low=0.1, high=5.0

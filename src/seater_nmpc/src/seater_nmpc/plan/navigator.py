@@ -37,7 +37,8 @@ class Navigator:
     ) -> None:
         """`camera`: as the controller's (see kept_field)."""
         self._dock, self._parameters = dock, parameters or PlannerParameters()
-        field = kept_field(camera, control.view_half_angle).narrowed(_VIEW_RESERVE)
+        self.field = kept_field(camera, control.view_half_angle)  # in which the controller keeps the markers
+        field = self.field.narrowed(_VIEW_RESERVE)
         self._planner = Planner(chair, dock, self._parameters, control.margin, field)
         self._roomy: Planner | None = None  # made when it is needed
         self._make_roomy = lambda: Planner(chair, dock, self._parameters, control.margin, field, room=_ROOM)

@@ -98,9 +98,11 @@ class Watch:
         off = f"{1e3 * math.hypot(error.final[0], error.final[1]):.0f} mm"
         return f"the way here suggests that it is {off} off: check {NAMES[error.suspect]} (./seater doctor --move)"
 
-    def unsure(self, position_sd: float) -> str:
-        """Why a chair that stands docked by its images may stand elsewhere all the same; empty: it is sure enough."""
-        if position_sd <= self._parameters.final_unsure:
+    def unsure(self, position_sd: float, *, checked: bool) -> str:
+        """Why a chair that stands docked by its images may stand elsewhere all the same; empty: it is sure enough.
+        `checked`: the installation is checked where it is not known."""
+        p = self._parameters
+        if position_sd <= (p.final_unsure_checked if checked else p.final_unsure):
             return ""
         found = f"where it stands is known to {1e3 * position_sd:.0f} mm only (one standard deviation)"
         return f"{found}: calibrate the camera's mount, fit a contact, or dock again, which shows more of the mount"
@@ -125,6 +127,20 @@ class Watch:
         covariance (3, 3) of that."""
         error = self._installation.error()
         return (np.zeros(3), self._installation.unknown) if error is None else (error.final, error.spread)
+
+    @property
+    def begun(self) -> int:
+        """How often what images show of the installation has begun anew: what was seen before does not count then."""
+        return self._installation.begun
+
+    def doubt(self, *, turned: bool) -> float:
+        """Standard deviation [m] of where the docked chair stands, by what seems wrong and what is unknown of the
+        installation. `turned`: in this goal, which shows it; else dockings before may have shown it."""
+        off, spread = self.final_error
+        remembered = None if turned or not self.knowledge.dockings else self._installation.likeliest()
+        if remembered is not None:
+            off, spread = remembered.final, remembered.spread
+        return math.sqrt(float(np.linalg.eigvalsh((np.outer(off, off) + spread)[:2, :2])[-1]))
 
     def learn(self) -> None:
         """A docking has ended at the dock: remember what it has shown, unless the dock has jumped."""

@@ -17,6 +17,7 @@ PHASES = {
     "UNDOCKING": "Backing out",
     "CORRECTING": "Small correction",
     "SEARCHING": "Searching for the dock",
+    "CHECK_INSTALLATION": "Turning to check where the camera sits",
     "STAGING": "Driving in front of the dock",
     "HOLDING": "Docked, watching the charge",
 }

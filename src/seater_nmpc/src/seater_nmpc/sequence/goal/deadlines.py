@@ -57,6 +57,11 @@ class Deadlines:
         """Since the goal began."""
         return now - self._start
 
+    @property
+    def half(self) -> float:
+        """When half of the goal's time is over."""
+        return self._start + 0.5 * self._timeout
+
     def missed(self, now: float, phase: Phase) -> tuple[ResultCode, str] | None:
         """What the goal ends with because it took too long; None: there is time left."""
         if now - self._start > self._timeout:

@@ -23,6 +23,7 @@ class Phase(IntEnum):
     PAUSED = 9
     STAGING = 10
     HOLDING = 11
+    CHECK_INSTALLATION = 12
 
 
 class ResultCode(IntEnum):

@@ -11,7 +11,7 @@ from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import IMAGES_THAT_MAY_FAIL, STANDING, Asked, Context
 from seater_nmpc.sequence.phases.finding import Finding
 
-_BY_SIGHT = (Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.CORRECTING, Phase.STAGING)
+_BY_SIGHT = (Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.CORRECTING, Phase.STAGING, Phase.CHECK_INSTALLATION)
 _DRIVING = (*_BY_SIGHT, Phase.UNDOCKING, Phase.SEARCHING)
 _NEAR, _FAR = 0.2, 0.6  # [m] before the dock
 _GROWTH = 3.3  # [1/m] of `arrival_way` with the distance between them

@@ -86,8 +86,9 @@ class Finding:
         return self.wait(chair)
 
     def turned_away(self, chair: Instant, estimate: DockEstimate) -> bool:
-        """Whether the dock may be out of view because the chair has turned too far, once in a goal, on the approach."""
-        if self._context.goal.phase is not Phase.APPROACH or self._lost:
+        """Whether the dock may be out of view because the chair has turned too far, once in a goal, on the approach or
+        to see where the camera sits."""
+        if self._context.goal.phase not in (Phase.APPROACH, Phase.CHECK_INSTALLATION) or self._lost:
             return False
         return abs(self._front.aside(relative(estimate.pose, chair.pose))) > _ASIDE
 

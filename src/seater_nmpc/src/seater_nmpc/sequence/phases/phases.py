@@ -11,6 +11,7 @@ from seater_nmpc.sequence.phases.at_dock import AtDock
 from seater_nmpc.sequence.phases.caution import Caution
 from seater_nmpc.sequence.phases.context import STANDING, Asked, Context
 from seater_nmpc.sequence.phases.finding import Finding
+from seater_nmpc.sequence.phases.installation_check import InstallationCheck
 from seater_nmpc.sequence.phases.staging import Staging
 from seater_nmpc.sequence.phases.way_in import WayIn
 from seater_nmpc.sequence.phases.way_out import WayOut
@@ -30,8 +31,10 @@ class Phases:
 
     def __init__(self, context: Context) -> None:
         self._context = context
-        self._way_in, self._at_dock = WayIn(context), AtDock(context)
-        self._way_out, self._finding = WayOut(context, self._way_in), Finding(context, self._way_in)
+        self._way_out = WayOut(context)
+        self._check = InstallationCheck(context, self._way_out)
+        self._way_in, self._at_dock = WayIn(context, self._check), AtDock(context)
+        self._finding = Finding(context, self._way_in)
         self._staging = Staging(context, self._way_out)
         self._caution = Caution(context, self._finding)
         self._handlers: dict[Phase, Callable[[Instant], Asked]] = {
@@ -42,10 +45,11 @@ class Phases:
             Phase.STOPPING: self._at_dock.stop,
             Phase.CORRECTING: self._at_dock.correct,
             Phase.VERIFY: self._at_dock.verify,
-            Phase.RETRY: self._way_out.retry,
+            Phase.RETRY: self._retry,
             Phase.UNDOCKING: self._way_out.undock,
             Phase.STAGING: self._staging.stage,
             Phase.HOLDING: self._at_dock.hold,
+            Phase.CHECK_INSTALLATION: self._check.check,
         }
         self.begin(0.0, Phase.WAITING_FOR_DOCK, 0.0)
 
@@ -55,6 +59,7 @@ class Phases:
         self._context.controller.history.clear()  # whoever drove until now did not say
         self._context.controller.pace.limit()
         self._finding.begin()
+        self._check.begin()
         self._caution.begin()
         self._enter(phase)
 
@@ -86,7 +91,13 @@ class Phases:
         """Whether the chair is backing out, for another attempt or away from where it got stuck."""
         phase = self._context.goal.phase
         staging = phase is Phase.STAGING and self._staging.backs_out
-        return phase in _BACKING_OUT or self._way_in.backs_off or staging
+        check = phase is Phase.CHECK_INSTALLATION and self._check.backs_out
+        return phase in _BACKING_OUT or self._way_in.backs_off or staging or check
+
+    def _retry(self, chair: Instant) -> Asked:
+        """RETRY; then again from there."""
+        asked = self._way_out.retry(chair)
+        return self._way_in.first_phase(self._context.look(chair)) if asked is None else asked
 
     def _enter(self, phase: Phase) -> None:
         controller, observer = self._context.controller, self._context.observer
@@ -96,6 +107,7 @@ class Phases:
         self._at_dock.restart(phase)
         self._way_out.restart()
         self._staging.restart()
+        self._check.restart()
         observer.acquire_moving(phase is Phase.SEARCHING)
         observer.bound_reacquisition(phase not in _DOCK_ANYWHERE, self._context.dock.front)
         if phase in _FROM_REST:

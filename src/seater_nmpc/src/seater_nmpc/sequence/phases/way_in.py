@@ -14,6 +14,7 @@ from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.plan.corridor import Corridor, room_beyond, straight_in
 from seater_nmpc.sequence.goal.results import Phase, ResultCode
 from seater_nmpc.sequence.phases.context import STANDING, Asked, Context
+from seater_nmpc.sequence.phases.installation_check import InstallationCheck
 
 Array = NDArray[np.float64]
 
@@ -25,8 +26,8 @@ _STOPPING_MARGIN = 0.001  # [m] short of the dock at which it may come to rest
 class WayIn:
     """Errors (3,): the chair in the dock's frame."""
 
-    def __init__(self, context: Context) -> None:
-        self._context = context
+    def __init__(self, context: Context, check: InstallationCheck) -> None:
+        self._context, self._check = context, check
         self._corridor = Corridor(context.chair, context.dock, context.parameters)
         self._room_beyond = room_beyond(context.chair, context.dock)
         self.restart()
@@ -47,16 +48,19 @@ class WayIn:
 
     def first_phase(self, error: Array) -> Phase:
         """APPROACH, until the rest is a matter of driving straight in."""
-        return self._straight if self._is_straight(error) else Phase.APPROACH
+        straight = self._is_straight(error)
+        if self._check.wanted(error, straight=straight):
+            return Phase.CHECK_INSTALLATION
+        return self._straight if straight else Phase.APPROACH
 
     def approach(self, chair: Instant) -> Asked:
         """APPROACH: until the chair is, or would come to rest, in the corridor, or has arrived at the predock point."""
         c = self._context
         error = c.look(chair)
         if self._is_straight(error) or self._is_straight(c.rest_error(chair)):
-            return self._straight
+            return self._on(error)
         if c.is_at(c.dock.predock_x, error, chair) and c.navigator.straight_way_clear(error):
-            return self._straight
+            return self._on(error)
         backing = self._away_from_where_it_is_stuck(chair, error)
         return self._along_the_way(chair, error) if backing is None else backing
 
@@ -80,6 +84,9 @@ class WayIn:
         if c.standstill.stalled(chair.stamp, c.measured(chair), near=near):
             return Phase.STOPPING if near else c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands short of the dock")
         return c.drive(chair, straight_in(error, short))
+
+    def _on(self, error: Array) -> Phase:
+        return Phase.CHECK_INSTALLATION if self._check.wanted(error, straight=True) else self._straight
 
     @property
     def _straight(self) -> Phase:

@@ -14,8 +14,7 @@ from seater_nmpc.control.controller import Target
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.plan.way_back import WayBack
 from seater_nmpc.sequence.goal.results import GoalEnd, ResultCode
-from seater_nmpc.sequence.phases.context import ARRIVED_SPEED, STANDING, Asked, Context
-from seater_nmpc.sequence.phases.way_in import WayIn
+from seater_nmpc.sequence.phases.context import ARRIVED_SPEED, STANDING, Context
 
 Array = NDArray[np.float64]
 
@@ -25,16 +24,16 @@ _LANE = (0.3, 0.5)  # [m, rad] beside the dock's axis and ahead of the predock p
 class WayOut:
     """No sensor looks there as a rule: slowly, and by what was seen there last."""
 
-    def __init__(self, context: Context, way_in: WayIn) -> None:
-        self._context, self._way_in = context, way_in
+    def __init__(self, context: Context) -> None:
+        self._context = context
         self._way_back = WayBack(context.chair, context.dock, context.controller.parameters.stop_margin)
 
     def restart(self) -> None:
         """A phase begins."""
         self._way_back.restart()
 
-    def retry(self, chair: Instant) -> Asked:
-        """RETRY: back out by `retry_distance` where little is to be mended, else to the predock point; then again.
+    def retry(self, chair: Instant) -> Command | None:
+        """RETRY: back out by `retry_distance` where little is to be mended, else to the predock point; None: there.
 
         A goal that is given up ends at the predock point. Raises GoalEnd.
         """
@@ -44,7 +43,7 @@ class WayOut:
         near = small and c.goal.failure is None
         x = max(c.dock.predock_x, -p.retry_distance) if near else c.dock.predock_x
         if c.is_at(x, error, chair):
-            return self._way_in.first_phase(error) if c.goal.failure is None else self._end(chair, c.goal.failure)
+            return None if c.goal.failure is None else self._end(chair, c.goal.failure)
         return self.back_out(chair, error, np.array([x, 0.0, 0.0]))
 
     def _end(self, chair: Instant, failure: GoalEnd) -> Command:

@@ -1,0 +1,108 @@
+"""Turns in front of the bay, where it is not known where the camera sits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import CAMERA
+
+from seater_common.geometry import Chair, Dock
+from seater_common.sight import Sight
+from seater_nmpc.ocp.constraints.view import kept_field
+from seater_nmpc.sequence.goal.results import Phase, ResultCode
+from seater_nmpc.sequence.phases.swing import Swing
+
+WHEN_UNKNOWN = {"installation_check": "when_unknown"}
+SIGHT = Sight(Chair().camera, Dock(), kept_field(CAMERA, 0.0))
+FAR, NEAR = (-2.7, 0.2, 5.0), (-1.3, 0.0, 0.0)
+
+
+def begin(world):
+    world.tick()
+    world.sequence.start_dock(world.now)
+    return world
+
+
+def goes_in(step) -> bool:
+    return step.phase is Phase.FINAL
+
+
+def turned(world) -> np.ndarray:
+    """Poses (n, 3) at which the chair has turned, on the spot."""
+    track = np.array(world.track)
+    return track[1:][np.abs(np.diff(track[:, 2])) > 2e-3]
+
+
+def test_the_chair_turns_far_and_near_and_the_next_docking_does_not(make_world) -> None:
+    world = begin(make_world(FAR, sequence=WHEN_UNKNOWN))
+    step = world.run(20.0, lambda step: bool(step.command.text))
+    assert step.phase is Phase.CHECK_INSTALLATION and "the markers show where the camera sits" in step.command.text
+    assert not world.run(100.0, goes_in).done
+    places = turned(world)
+    far, near = places[places[:, 0] < -2.0], places[places[:, 0] > -1.3]
+    assert all(place[:, 2].min() < -0.4 and place[:, 2].max() > 0.4 for place in (far, near))
+    assert np.all(SIGHT.seen(places).any(axis=1)), "out of view"
+    result = world.run(40.0).result
+    assert result.code is ResultCode.SUCCESS and result.position_sd < 0.012
+    assert world.smallest_clearance > 0.05
+    for start in (FAR, NEAR):
+        again = make_world(start, sequence=WHEN_UNKNOWN)
+        again.sequence.knowledge = world.sequence.knowledge
+        assert not begin(again).run(20.0, goes_in).done and "CHECK_INSTALLATION" not in again.phases
+
+
+def test_a_chair_whose_camera_sits_elsewhere_does_not_go_in(make_world) -> None:
+    world = make_world(FAR, sequence=WHEN_UNKNOWN)
+    world.chair = replace(world.chair, camera=replace(world.chair.camera, y=0.06))
+    result = begin(world).run(120.0).result
+    assert result.code is ResultCode.INCONSISTENT and "turned in front of the dock" in result.text
+    assert "check the camera's y" in result.text and "FINAL" not in world.phases
+
+
+def test_too_little_is_known_without_room_to_turn(make_world, quick_controller) -> None:
+    """A post on each side: it goes straight in without a turn, and does not claim to be docked."""
+    posts = [np.array([[-0.9, y], [-0.8, y], [-0.8, y + 0.1], [-0.9, y + 0.1]]) for y in (-0.65, 0.55)]
+    world = make_world((-1.9, 0.0, 0.0), sequence=WHEN_UNKNOWN | {"installation_turns": 1})
+    quick_controller.set_obstacles(posts)
+    try:
+        result = begin(world).run(120.0).result
+    finally:
+        quick_controller.set_obstacles([])
+    assert result.code is ResultCode.NOT_CERTAIN, result
+    assert all(pose[0] > -0.9 or abs(pose[2]) < 0.3 for pose in world.track)
+
+
+@pytest.mark.parametrize("settings", [{}, {"require_contact": True, "sequence": WHEN_UNKNOWN}])
+def test_no_turns_where_they_are_not_wanted_or_the_contact_tells(make_world, settings) -> None:
+    world = begin(make_world(NEAR, **settings))
+    assert not world.run(10.0, goes_in).done and "CHECK_INSTALLATION" not in world.phases
+
+
+def test_a_cancel_stands_at_once(make_world) -> None:
+    world = begin(make_world(FAR, sequence=WHEN_UNKNOWN))
+    world.run(10.0, lambda step: abs(step.command.omega) > 0.2)
+    world.sequence.cancel()
+    step = world.run(0.1)
+    assert step.result.code is ResultCode.CANCELED and (step.command.v, step.command.omega) == (0.0, 0.0)
+
+
+def test_what_comes_into_the_way_ends_a_turn() -> None:
+    swing, pose = Swing(Chair(), Dock(), SIGHT), np.array([-2.5, 0.0, 0.0])
+    assert swing.has_room(pose, [])
+    post = np.array([[-1.9, 0.5], [-1.8, 0.5], [-1.8, 0.6], [-1.9, 0.6]])
+    assert not swing.has_room(pose, [post])
+    asked, now = [], 0.0
+    while (speeds := swing.speeds(now, pose, pose, [post])) is not None and now < 200.0:
+        asked.append(speeds)
+        pose = pose + 0.05 * np.array([speeds[0] * np.cos(pose[2]), speeds[0] * np.sin(pose[2]), speeds[1]])
+        now += 0.05
+    assert now < 200.0 and np.isfinite(asked).all()
+
+
+def test_a_chair_that_does_not_move_goes_on() -> None:
+    swing, pose, now = Swing(Chair(), Dock(), SIGHT), np.array([-2.5, 0.0, 0.0]), 0.0
+    while swing.speeds(now, pose, pose, []) is not None:
+        now += 0.05
+    assert 30.0 < now < 60.0
