@@ -217,6 +217,12 @@ class Installation:
             return None
         return self._mildest([self._found(i) for i in range(len(_SLIPS))], self.known.dockings)
 
+    def likeliest(self) -> InstallationError | None:
+        """By the filter that explains the images best: before a goal has driven far, all explain them, and the mildest
+        is one that believes nothing. None: as of `error`."""
+        found = self.error()
+        return None if found is None else self._error_by(*self._found(int(np.argmax(self._evidence))), found.dockings)
+
     @property
     def unknown(self) -> Array:
         """(3, 3) covariance of where the docked chair stands, where this docking has said nothing."""

@@ -133,11 +133,13 @@ class Watch:
         """How often what images show of the installation has begun anew: what was seen before does not count then."""
         return self._installation.begun
 
-    @property
-    def doubt(self) -> float:
+    def doubt(self, *, turned: bool) -> float:
         """Standard deviation [m] of where the docked chair stands, by what seems wrong and what is unknown of the
-        installation."""
+        installation. `turned`: in this goal, which shows it; else dockings before may have shown it."""
         off, spread = self.final_error
+        remembered = None if turned or not self.knowledge.dockings else self._installation.likeliest()
+        if remembered is not None:
+            off, spread = remembered.final, remembered.spread
         return math.sqrt(float(np.linalg.eigvalsh((np.outer(off, off) + spread)[:2, :2])[-1]))
 
     def learn(self) -> None:

@@ -60,7 +60,8 @@ class InstallationCheck:
             return False
         if c.watch.begun != self._begun:  # the dock was another one, or lost: what was turned before shows nothing
             self._turned, self._begun, turned = [], c.watch.begun, 0
-        known = c.require_contact or c.watch.doubt <= p.installation_doubt  # the contact says it better
+        # The contact says it better.
+        known = c.require_contact or c.watch.doubt(turned=turned > 0) <= p.installation_doubt
         begins = turned == 0 and p.installation_check == "always"
         if known and turned != 1 and not begins:
             return False
