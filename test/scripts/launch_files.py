@@ -61,7 +61,7 @@ class LaunchFiles(unittest.TestCase):
         self.assertNotIn("/camera_tf", nodes("wheelchair.launch", "publish_camera_tf:=false"))
         self.assertNotIn("/use_sim_time", parameters("wheelchair.launch"))
         check = "/docking/controller/sequence/installation_check"
-        self.assertEqual([parameters(f"{of}.launch")[check] for of in ("wheelchair", "sim")], ["when_unknown", "never"])
+        self.assertEqual([parameters(f"{of}.launch")[check] for of in ("wheelchair", "sim")], ["on_the_way", "never"])
 
     def test_wheelchair_camera_mount_reaches_every_user(self) -> None:
         values = parameters("wheelchair.launch", "camera_x:=0.33", "camera_pitch:=0.12")

@@ -10,88 +10,73 @@
 #include "numerics/solve.h"
 #include "numerics/symmetric.h"
 #include "scene.h"
+#include "seater_perception/photometric.h"
 
 using namespace seater_perception;
 
 namespace {
 
-constexpr double kUsual = 0.1, kSmoothness = 14.0;  // [px]
+constexpr double kUsual = 0.1;  // [px]
 
-/// What a marker leaves over: directions along which shifts of variance `variance` [px^2] add that times 1 to `most` to
-/// noise of 1, and whose noise is `alike` times as large as independent errors make it.
-ShiftEvidence drawn(double variance, double most, double alike, std::mt19937& random) {
+/// What markers leave over of a field of this variance [px^2]: modes from hardly informative to very much so.
+ShiftEvidence drawn(double variance, double most, std::mt19937& random) {
   std::normal_distribution<double> normal;
   ShiftEvidence evidence;
-  for (int mode = 0; mode < 10; ++mode) {
-    const double m = most * std::pow(0.5, mode), value = normal(random),
-                 square = value * value * (alike + variance * m);
-    ShiftGrid::forEach([&](int a, int shift, int, std::size_t i) {
-      const double v = ShiftGrid::alike(a) + ShiftGrid::shift(shift) * ShiftGrid::shift(shift) * m;
-      evidence.log_likelihood[i] -= 0.5 * (std::log(v) + square / v);
-    });
+  for (std::size_t k = 0; k < evidence.information.size(); ++k) {
+    const double i = most * std::pow(0.6, static_cast<double>(k)), value = normal(random);
+    evidence.information[k] = i;
+    evidence.square[k] = value * value * (i + variance * i * i);
   }
   return evidence;
 }
 
-/// Mean over many images of what three markers tell, by root mean square.
-ShiftEstimate meanEstimate(double variance, double most, double alike, double usual, bool as_modelled) {
+void add(const ShiftEvidence& evidence, double weight, ShiftField& field) {
+  for (std::size_t k = 0; k < evidence.square.size(); ++k)
+    field.add(evidence.information[k], evidence.square[k], weight);
+}
+
+double meanVariance(double variance, double most, double usual) {
   std::mt19937 random(3);
-  constexpr int kImages = 100;
-  ShiftEstimate mean{0.0, 0.0, 0.0};
+  constexpr int kImages = 200;
+  double sum = 0.0;
   for (int i = 0; i < kImages; ++i) {
     ShiftField field;
-    for (int marker = 0; marker < 3; ++marker) field.add(drawn(variance, most, alike, random), 1.0);
-    const ShiftEstimate estimate = field.estimate(usual, as_modelled);
-    mean.alike += estimate.alike / kImages;
-    mean.sigma += estimate.sigma * estimate.sigma / kImages;
+    for (int marker = 0; marker < 3; ++marker) add(drawn(variance, most, random), 1.0, field);
+    sum += field.variance(usual) / kImages;
   }
-  mean.sigma = std::sqrt(mean.sigma);
-  return mean;
+  return sum;
 }
 
 }  // namespace
 
 TEST(ShiftField, ComesOutOfWhatIsLeftOver) {
   for (const double sigma : {0.05, 0.1, 0.3}) {
-    const ShiftEstimate seen = meanEstimate(sigma * sigma, 1e5, 1.0, kUsual, true);
-    EXPECT_GT(seen.sigma, sigma) << sigma;  // the mean of its square, as it is not known exactly
-    EXPECT_LT(seen.sigma, 1.5 * sigma) << sigma;
-    EXPECT_LT(seen.alike, 2.0) << sigma;
+    const double variance = meanVariance(sigma * sigma, 1e5, kUsual);
+    EXPECT_GT(variance, sigma * sigma) << sigma;  // with a margin
+    EXPECT_LT(variance, 1.7 * sigma * sigma) << sigma;
   }
 }
 
 TEST(ShiftField, NoneIsSeenWhereMarkersWouldShowIt) {
-  EXPECT_LT(meanEstimate(0.0, 1e8, 1.0, kUsual, true).sigma, 0.01);
-  // Where the camera is not as modelled, none at all is not believed.
-  EXPECT_GT(meanEstimate(0.0, 1e5, 1.0, kUsual, false).sigma, meanEstimate(0.0, 1e5, 1.0, kUsual, true).sigma);
+  EXPECT_LT(std::sqrt(meanVariance(0.0, 1e8, kUsual)), 0.01);
 }
 
-TEST(ShiftField, ErrorsThatAreAlikeAreNoShifts) {
-  const ShiftEstimate seen = meanEstimate(0.0, 1e4, 6.0, kUsual, false);
-  EXPECT_GT(seen.alike, 3.0);
-  EXPECT_LT(seen.alike, 9.0);
-  EXPECT_LT(seen.sigma, 0.1);  // as shifts alone, they would be 0.2 px
-}
-
-TEST(ShiftField, IsThePriorWhereNothingTells) {
-  const double unknown = ShiftField().estimate(kUsual, false).sigma;
-  EXPECT_GT(unknown, kUsual);
-  EXPECT_LT(unknown, 5.0 * kUsual);
-  EXPECT_LT(ShiftField().estimate(0.5 * kUsual, false).sigma, unknown);
-  EXPECT_LT(ShiftField().estimate(0.0, false).sigma, unknown);
-  EXPECT_NEAR(meanEstimate(0.0, 1.0, 1.0, kUsual, false).sigma, unknown, 0.2 * unknown);  // a direction's noise is 1 px
+TEST(ShiftField, IsTheUsualOneWhereNothingTells) {
+  EXPECT_GT(ShiftField().variance(kUsual), kUsual * kUsual);  // with a margin, as all estimates
+  EXPECT_LT(ShiftField().variance(kUsual), 2.5 * kUsual * kUsual);
+  EXPECT_DOUBLE_EQ(ShiftField().variance(0.0), 0.0);
+  EXPECT_GT(std::sqrt(meanVariance(0.0, 1.0, kUsual)), 0.9 * kUsual);  // a mode's noise is 1 px
 }
 
 TEST(ShiftField, OthersCountByTheirWeight) {
   std::mt19937 random(4);
   ShiftField own, heavy, light;
-  const ShiftEvidence quiet = drawn(0.0, 1e5, 1.0, random), moved = drawn(0.09, 1e5, 1.0, random);
-  for (ShiftField* field : {&own, &heavy, &light}) field->add(quiet, 1.0);
-  heavy.add(moved, 1.0);
-  light.add(moved, 0.01);
-  const auto sigma = [](const ShiftField& field) { return field.estimate(kUsual, false).sigma; };
-  EXPECT_LT(sigma(own), sigma(light));
-  EXPECT_LT(sigma(light), sigma(heavy));
+  const ShiftEvidence quiet = drawn(0.0, 1e5, random), moved = drawn(0.09, 1e5, random);
+  for (ShiftField* field : {&own, &heavy, &light}) add(quiet, 1.0, *field);
+  add(moved, 1.0, heavy);
+  add(moved, 0.01, light);
+  EXPECT_LT(own.variance(kUsual), light.variance(kUsual));
+  EXPECT_LT(light.variance(kUsual), heavy.variance(kUsual));
 }
 
 TEST(ShiftField, PoseFollowsAsDrawnFieldsMakeIt) {
@@ -110,7 +95,7 @@ TEST(ShiftField, PoseFollowsAsDrawnFieldsMakeIt) {
   }
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t k = 0; k < count; ++k)
-      alike(i, k) = std::exp(-(seen[i] - seen[k]).squaredNorm() / (4.0 * kSmoothness * kSmoothness));
+      alike(i, k) = std::exp(-(seen[i] - seen[k]).squaredNorm() / (4.0 * kUsualSmoothness * kUsualSmoothness));
   }
   const auto root = choleskyRoot(alike);
   ASSERT_TRUE(root);
@@ -125,7 +110,7 @@ TEST(ShiftField, PoseFollowsAsDrawnFieldsMakeIt) {
     const Vector6d change = solve * Eigen::Map<const Eigen::VectorXd>(rows.data(), 2 * count);
     sum += change * change.transpose() / kDraws;
   }
-  const auto covariance = shiftCovariance(camera, places, pose, kSmoothness);
+  const auto covariance = shiftCovariance(camera, places, pose);
   ASSERT_TRUE(covariance);
   for (int k = 0; k < 6; ++k) EXPECT_NEAR((*covariance)(k, k) / sum(k, k), 1.0, 0.1) << k;
 }
@@ -135,7 +120,7 @@ TEST(ShiftField, AShiftOfAllIsAShiftOfThePose) {
   const Eigen::Isometry3d pose = scene::upright({0.0, 0.0, 20.0}, 0.6);  // 3 px: the shift is the same at all places
   ShiftedPlaces places;
   places.add(0.1, Eigen::Isometry3d::Identity(), 0.2);
-  const auto covariance = shiftCovariance(camera, places, pose, kSmoothness);
+  const auto covariance = shiftCovariance(camera, places, pose);
   ASSERT_TRUE(covariance);
   const double sideways = 0.2 * 20.0 / camera.fx();  // [m]
   EXPECT_NEAR(std::sqrt((*covariance)(0, 0)), sideways, 0.1 * sideways);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -51,6 +52,18 @@ def test_the_chair_turns_far_and_near_and_the_next_docking_does_not(make_world) 
         again = make_world(start, sequence=WHEN_UNKNOWN)
         again.sequence.knowledge = world.sequence.knowledge
         assert not begin(again).run(20.0, goes_in).done and "CHECK_INSTALLATION" not in again.phases
+
+
+def test_on_the_way_it_turns_where_it_need_not_back_out(make_world) -> None:
+    """Far away it turns at both places; near the bay it goes in, as a chair that was never asked to."""
+    on_the_way = {"installation_check": "on_the_way"}
+    near = begin(make_world(NEAR, sequence=on_the_way))
+    assert near.run(60.0).result.code is ResultCode.SUCCESS and "CHECK_INSTALLATION" not in near.phases
+    far = begin(make_world(FAR, sequence=on_the_way))
+    assert not far.run(100.0, goes_in).done
+    places = turned(far)
+    assert places[:, 0].min() < -2.0 and places[:, 0].max() > -1.3
+    assert all(ahead > behind - 0.1 for behind, ahead in pairwise(pose[0] for pose in far.track)), "backed out"
 
 
 def test_a_chair_whose_camera_sits_elsewhere_does_not_go_in(make_world) -> None:

@@ -79,33 +79,4 @@ struct DetectionResult {
   bool full_search = true;  ///< false: only the predicted places were searched
 };
 
-/// What an image may do that the model does not know: errors of neighbouring pixels that are alike (they multiply the
-/// variance of a fit), and shifts that are smooth over the image (prints not flat, what is left of a lens' distortion,
-/// line jitter) by their standard deviation and smoothness.
-struct ShiftGrid {
-  static constexpr int kAlike = 5, kShifts = 16;
-  static constexpr std::array<double, 4> kSmoothness{8.0, 13.0, 20.0, 40.0};  ///< [px]
-  static constexpr double kSmallest = 0.005, kLargest = 0.64;                 ///< [px] of shifts; the first one is 0
-  static constexpr int kCells = kAlike * kShifts * static_cast<int>(kSmoothness.size());
-  using Table = std::array<double, kCells>;
-
-  static double alike(int k);
-  static double shift(int k);  ///< [px]
-  /// visit(alike, shift, smoothness, place in a table)
-  template <typename Visit>
-  static void forEach(const Visit& visit) {
-    std::size_t i = 0;
-    for (int s = 0; s < static_cast<int>(kSmoothness.size()); ++s) {
-      for (int a = 0; a < kAlike; ++a) {
-        for (int k = 0; k < kShifts; ++k) visit(a, k, s, i++);
-      }
-    }
-  }
-};
-
-/// How well each possibility explains what a fit has left over, up to a constant; all 0: it tells nothing.
-struct ShiftEvidence {
-  ShiftGrid::Table log_likelihood{};
-};
-
 }  // namespace seater_perception

@@ -18,6 +18,16 @@ class Mat;
 
 namespace seater_perception {
 
+/// What a fit has left over of shifts of parts of a print that are smooth over the image (prints not flat, what is left
+/// of a lens' distortion, line jitter), along directions in which they do not mix. Of a field of variance v [px^2], the
+/// square along a direction of information i is expected to be i + v i^2: i of it is the noise of the grey levels.
+struct ShiftEvidence {
+  static constexpr int kModes = 18;
+
+  std::array<double, kModes> information{};  ///< [1/px^2]; 0: tells nothing
+  std::array<double, kModes> square{};       ///< [1/px^2]
+};
+
 /// What a fit gives.
 struct PhotometricResult {
   /// False: nothing else here is to be relied on; pose is then the initial one, covariance zero.

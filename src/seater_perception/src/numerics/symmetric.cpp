@@ -42,10 +42,4 @@ std::optional<SymmetricModes> modesOf(const SmallMatrix& A) {
   return SymmetricModes{solver.eigenvalues(), solver.eigenvectors()};
 }
 
-Tridiagonal tridiagonalOf(const SmallMatrix& A) {
-  if (A.rows() == 1) return {A, SmallVector(), SmallMatrix::Identity(1, 1)};
-  const Eigen::Tridiagonalization<SmallMatrix> T(A);
-  return {T.diagonal(), T.subDiagonal(), T.matrixQ()};
-}
-
 }  // namespace seater_perception

@@ -28,11 +28,4 @@ struct SymmetricModes {
 /// Eigenvalues and eigenvectors; nothing where they are not found.
 std::optional<SymmetricModes> modesOf(const SmallMatrix& A);
 
-/// A = Q T Q' with T tridiagonal.
-struct Tridiagonal {
-  SmallVector diagonal, below;
-  SmallMatrix Q;
-};
-Tridiagonal tridiagonalOf(const SmallMatrix& A);
-
 }  // namespace seater_perception

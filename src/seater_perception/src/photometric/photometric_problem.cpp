@@ -147,29 +147,23 @@ void PhotometricProblem::toObject(std::size_t m, Buffers& out) const {
   block.leftCols<6>() = (block.leftCols<6>() * motion).eval();
 }
 
-std::optional<Eigen::MatrixXf> PhotometricProblem::weightedRows(const PhotometricState& state, const Weighing& weighing,
-                                                                int most) const {
+std::optional<PhotometricProblem::WeightedRows> PhotometricProblem::weightedRows(const PhotometricState& state,
+                                                                                 const Weighing& weighing,
+                                                                                 int most) const {
   const PixelBatch& batch = samples_->front().batch;
   MarkerView seen;
   if (!view(0, state, seen)) return std::nullopt;
   const int count = std::min(most, batch.count);
   std::vector<float> residual(static_cast<std::size_t>(batch.padded)), valid(residual.size());
   double sum[kColumns][kColumns] = {};
-  Eigen::MatrixXf rows(count, 7 + psf_ + brightness_);
+  WeightedRows result;
+  result.rows.resize(count, 7 + psf_ + brightness_);
   accumulateBatch(batch, count, seen, psf_, brightness_, state.brightness.front(), weighing, sum, residual.data(),
-                  valid.data(), rows.data());
-  return rows;
-}
-
-Eigen::Vector2d PhotometricProblem::placeOf(const PhotometricState& state, int pixel) const {
-  const PatternPlacement& placement = placements_->front();
-  const Eigen::Isometry3d T_marker_optical = (state.pose * placement.T_object_marker).inverse();
-  const MarkerSamples& seen = samples_->front();
-  const auto i = static_cast<std::size_t>(pixel);
-  const Eigen::Vector3d ray(seen.ray_x + double{seen.batch.x[i]} / fx_, seen.ray_y + double{seen.batch.y[i]} / fy_,
-                            1.0);
-  const Eigen::Vector3d along = T_marker_optical.linear() * ray, from = T_marker_optical.translation();
-  return (from - along * (from.z() / along.z())).head<2>() * (placement.pattern.cells() / placement.size);
+                  valid.data(), result.rows.data());
+  for (int row = 0; row < kColumns; ++row) {
+    for (int column = 0; column < kColumns; ++column) result.products(row, column) = sum[row][column];
+  }
+  return result;
 }
 
 Eigen::Matrix2d PhotometricProblem::pixelByCell(const PhotometricState& state) const {

@@ -42,13 +42,15 @@ class PhotometricProblem {
   double fractionBelow(double level) const;
   double fractionAbove(double level) const;
 
-  /// [J r] of accumulateBatch for the first `most` pixels of the first marker, each weighted by the root of its pixel's
-  /// weight, motion along the marker's own axes; nothing when the state is impossible.
-  std::optional<Eigen::MatrixXf> weightedRows(const PhotometricState& state, const Weighing& weighing, int most) const;
+  /// Rows of a marker's least-squares problem, each weighted by the root of its pixel's weight.
+  struct WeightedRows {
+    Eigen::MatrixXf rows;  ///< [J r] of accumulateBatch, motion along the marker's own axes
+    Eigen::Matrix<double, kColumns, kColumns> products;  ///< upper triangle of [J r]^T [J r]
+  };
+  /// Of the first `most` pixels of the first marker; nothing when the state is impossible.
+  std::optional<WeightedRows> weightedRows(const PhotometricState& state, const Weighing& weighing, int most) const;
   /// Derivative of the pixel by the place on the first marker, about its middle [px per cell].
   Eigen::Matrix2d pixelByCell(const PhotometricState& state) const;
-  /// Where a pixel of the first marker lies on it [cells from its centre].
-  Eigen::Vector2d placeOf(const PhotometricState& state, int pixel) const;
 
   const std::vector<MarkerSamples>& samples() const { return *samples_; }
   int psfUnknowns() const { return psf_; }

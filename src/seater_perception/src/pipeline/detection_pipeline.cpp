@@ -17,7 +17,7 @@ namespace {
 constexpr double kQuietZone = 0.15;  // [sides] round a marker: about a cell
 // What all other markers of the image tell of its shifts counts as that of so many at most: prints are bent one by one.
 constexpr double kOthers = 8.0;
-constexpr double kLeastShift = 0.005;  // [px] No lens is calibrated better, however little of it a marker shows.
+constexpr double kLeastShift = 0.02;  // [px] No lens is calibrated better, however little of it a marker shows.
 // [px] Shifts below these are not known to turn a branch over; by the wrong branches on drawn kinds of cameras.
 constexpr double kSmallShift = 0.025;
 
@@ -140,30 +140,31 @@ DetectionPipeline::Fit DetectionPipeline::fit(const PhotometricContext& context,
   return fit;
 }
 
-/// Of the image at a marker: by what its own fit has left over, and the others'.
-ShiftEstimate DetectionPipeline::shiftsAt(const std::vector<Fit>& fits, const Fit& of) const {
+/// [px] Of the image's shifts at a marker: by what its own fit has left over, and the others'.
+double DetectionPipeline::shiftSigma(const std::vector<Fit>& fits, const Fit& of) const {
   const double usual = parameters_.pose.model_sigma;
-  if (usual == 0.0 && !of.refined.deviates) return {};
+  if (usual == 0.0 && !of.refined.deviates) return 0.0;
   ShiftField field;
   const double others = std::min(1.0, kOthers / std::max(1.0, static_cast<double>(fits.size()) - 1.0));
   for (const Fit& f : fits) {
-    if (f.refined.outcome == MarkerOutcome::refined) field.add(f.refined.shifts, &f == &of ? 1.0 : others);
+    if (f.refined.outcome != MarkerOutcome::refined) continue;
+    const ShiftEvidence& seen = f.refined.shifts;
+    const double weight = &f == &of ? 1.0 : others;
+    for (std::size_t k = 0; k < seen.square.size(); ++k) field.add(seen.information[k], seen.square[k], weight);
   }
-  ShiftEstimate shifts = field.estimate(usual, of.refined.marker.model_holds);
-  if (usual > 0.0) shifts.sigma = std::hypot(kLeastShift, shifts.sigma);
-  return shifts;
+  return std::hypot(usual > 0.0 ? kLeastShift : 0.0, std::sqrt(field.variance(usual)));
 }
 
 MarkerEstimate DetectionPipeline::settled(const PhotometricContext& context, const std::vector<DockHypothesis>& dock,
-                                          const ShiftEstimate& shifts, const Fit& fit) const {
+                                          double shift_sigma, const Fit& fit) const {
   MarkerEstimate marker = fit.refined.marker;
   if (marker.hypotheses.empty()) return marker;
   if (fit.refined.outcome != MarkerOutcome::refined) {
     keepCorners(dock, marker);
     return marker;
   }
-  settleMarker(context, priorOf(marker.image.id), shifts, marker);
-  const bool open = fit.refined.deviates || shifts.sigma > kSmallShift;
+  settleMarker(context, priorOf(marker.image.id), shift_sigma, marker);
+  const bool open = fit.refined.deviates || shift_sigma > kSmallShift;
   if (open && !fit.as_tracked && marker.ambiguity < kUndecided) leaveOpen(dock, fit.found, marker);
   return marker;
 }
@@ -175,7 +176,7 @@ void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& 
   for (const MarkerEstimate& m : result.markers) fits.push_back(fit(context, dock, m, tracked.count(m.image.id) > 0));
   result.markers.clear();
   for (const Fit& f : fits) {
-    const MarkerEstimate marker = settled(context, dock, shiftsAt(fits, f), f);
+    const MarkerEstimate marker = settled(context, dock, shiftSigma(fits, f), f);
     // Its bits have proved the marker. That the grey levels are not as the model has them does not unmake it.
     if (marker.hypotheses.empty() || marker.image.side() < parameters_.detector.min_side) {
       ++result.refused;
@@ -199,9 +200,9 @@ void DetectionPipeline::leaveOpen(const std::vector<DockHypothesis>& dock, const
   const bool small = found.image.side() < kLargeMarker;
   if (!small && found.image.edges_fitted && refined.model_holds) return;
   MarkerEstimate by_corners = found;
-  by_corners.model_sigma = std::max(refined.model_sigma, refined.shifts.sigma);
+  by_corners.model_sigma = std::max(refined.model_sigma, refined.shift_sigma);
   keepCorners(dock, by_corners);
-  openBranches(camera_, by_corners, parameters_.pose, refined);
+  openBranches(by_corners, refined);
 }
 
 /// From its corners, with edges; false, and nothing changed, when they give no pose.

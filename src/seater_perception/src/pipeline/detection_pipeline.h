@@ -58,9 +58,9 @@ class DetectionPipeline {
   void keepDecided(const std::vector<DockHypothesis>& dock, MarkerEstimate& marker) const;
   Fit fit(const PhotometricContext& context, const std::vector<DockHypothesis>& dock, const MarkerEstimate& marker,
           bool tracked) const;
-  ShiftEstimate shiftsAt(const std::vector<Fit>& fits, const Fit& of) const;
-  MarkerEstimate settled(const PhotometricContext& context, const std::vector<DockHypothesis>& dock,
-                         const ShiftEstimate& shifts, const Fit& fit) const;
+  double shiftSigma(const std::vector<Fit>& fits, const Fit& of) const;
+  MarkerEstimate settled(const PhotometricContext& context, const std::vector<DockHypothesis>& dock, double shift_sigma,
+                         const Fit& fit) const;
   void refineMarkers(const cv::Mat& grey, const std::set<int>& tracked, ImageEstimate& result);
   void keepCorners(const std::vector<DockHypothesis>& dock, MarkerEstimate& marker) const;
   void leaveOpen(const std::vector<DockHypothesis>& dock, const MarkerEstimate& found, MarkerEstimate& refined) const;

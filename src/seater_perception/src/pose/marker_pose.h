@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "pose/hypotheses.h"
-#include "pose/shift_field.h"
 #include "search/marker_detector.h"
 
 namespace seater_perception {
@@ -17,7 +16,7 @@ struct MarkerEstimate {
   double ambiguity = 0.0;                  ///< see DetectedMarker
   PoseStage stage = PoseStage::corners;    ///< that the hypotheses are of
   double model_sigma = 0.0;                ///< [px] of a corner, by what its grey levels deviate from the model
-  ShiftEstimate shifts;                    ///< of the image, that the covariances allow for
+  double shift_sigma = 0.0;                ///< [px] of smooth shifts of the image, that the covariances allow for
   bool model_holds = false;                ///< the grey levels are as the image model has them
   double white_cut_off = 0.0;              ///< as of DetectedMarker
   bool branch_known = false;               ///< other markers or images tell which of the two poses it is

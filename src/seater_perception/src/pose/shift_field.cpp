@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "numerics/symmetric.h"
 
@@ -10,35 +9,12 @@ namespace seater_perception {
 namespace {
 
 // Chosen by the normalised errors of drawn kinds of cameras and shifts (docs/results/beyond_simulation.md).
-// The prior of shifts is a distribution, no floor: the logarithm is normal. Its median is far above what is usual, as
-// shifts that are overlooked are dangerous; any that markers show outweighs it.
-constexpr double kMedian = 5.0;      // [usual shifts]
-constexpr double kSpread = 1.2;      // standard deviation of the logarithm
-constexpr double kFirstUsual = 0.1;  // [px] where none is usual
-// Probability that there are none at all, where the image is as modelled.
-constexpr double kNone = 0.5;
-// Of the logarithm of the factor of the noise; that is 1 where errors are independent.
-constexpr double kAlikeSpread = 0.7;
-// Photographs show mostly shifts that are alike over 8 to 20 px; boards that are bent, and lenses, smoother ones.
-constexpr std::array<double, ShiftGrid::kSmoothness.size()> kSmoothnessPrior{1.0, 1.0, 1.0, 0.7};
-// What markers tell counts by this part: fields are no more than roughly Gaussian.
-constexpr double kBelieved = 0.5;
+constexpr double kMargin = 0.75;     // [standard deviations of the variance] an estimate that is too small is dangerous
+constexpr double kPriorModes = 1.0;  // the usual shift counts as if so many modes had shown it
+constexpr int kRounds = 3;
+constexpr double kSmallestVariance = 1e-4, kFirstVariance = 0.01;  // [px^2]
 
 constexpr double kPlaces = 0.42;  // [sides] how far from the middle the outer places are
-
-/// Logarithms of the prior of each shift of the grid, up to a constant.
-std::array<double, ShiftGrid::kShifts> shiftPrior(double usual, double none) {
-  std::array<double, ShiftGrid::kShifts> weight{};
-  double sum = 0.0;
-  for (int k = 1; k < ShiftGrid::kShifts; ++k) {
-    const double off = std::log(ShiftGrid::shift(k) / (kMedian * usual)) / kSpread;
-    sum += weight[static_cast<std::size_t>(k)] = std::exp(-0.5 * off * off);
-  }
-  for (double& w : weight) w *= (1.0 - none) / sum;
-  weight[0] = none;
-  for (double& w : weight) w = w > 0.0 ? std::log(w) : -std::numeric_limits<double>::infinity();
-  return weight;
-}
 
 }  // namespace
 
@@ -46,50 +22,28 @@ double shiftCorrelation(const Eigen::Vector2d& apart, double smoothness) {
   return std::exp(-apart.squaredNorm() / (4.0 * smoothness * smoothness));
 }
 
-double ShiftGrid::shift(int k) {
-  static const auto kValues = [] {
-    std::array<double, kShifts> values{};
-    for (int i = 1; i < kShifts; ++i) {
-      values[static_cast<std::size_t>(i)] = kSmallest * std::pow(kLargest / kSmallest, (i - 1.0) / (kShifts - 2.0));
+void ShiftField::add(double information, double square, double weight) {
+  if (information > 0.0) modes_.push_back({information, square, weight});
+}
+
+double ShiftField::variance(double usual) const {
+  const double prior = usual * usual;
+  double v = prior > 0.0 ? prior : kFirstVariance, sigma = 0.0;
+  for (int round = 0; round < kRounds; ++round) {
+    // Weights that are right for this variance. What the prior counts never exceeds what modes tell at its own.
+    const double at = std::max(v, kSmallestVariance), prior_at = std::max(at, prior);
+    double seen = 0.0, expected = 0.0;
+    for (const Mode& m : modes_) {
+      const double damped = 1.0 + at * m.information, w = m.weight / (damped * damped);
+      seen += w * (m.square - m.information);
+      expected += w * m.information * m.information;
     }
-    return values;
-  }();
-  return kValues[static_cast<std::size_t>(k)];
-}
-
-double ShiftGrid::alike(int k) {
-  return static_cast<double>(1 << k);
-}
-
-void ShiftField::add(const ShiftEvidence& evidence, double weight) {
-  for (std::size_t i = 0; i < seen_.size(); ++i) seen_[i] += weight * evidence.log_likelihood[i];
-}
-
-ShiftEstimate ShiftField::estimate(double usual, bool as_modelled) const {
-  const double expected = usual > 0.0 ? usual : kFirstUsual;
-  const auto independent = shiftPrior(expected, as_modelled || !(usual > 0.0) ? kNone : 0.0);
-  const auto together = shiftPrior(expected, 0.0);
-  ShiftGrid::Table log_weight;
-  ShiftGrid::forEach([&](int alike, int shift, int smooth, std::size_t i) {
-    const double off = std::log(ShiftGrid::alike(alike)) / kAlikeSpread;
-    const auto& prior = alike == 0 ? independent : together;
-    log_weight[i] = kBelieved * seen_[i] - 0.5 * off * off + prior[static_cast<std::size_t>(shift)] +
-                    std::log(kSmoothnessPrior[static_cast<std::size_t>(smooth)]);
-  });
-  const double most = *std::max_element(log_weight.begin(), log_weight.end());
-  double sum = 0.0, alike_sum = 0.0, variance = 0.0, smoothness = 0.0;
-  ShiftGrid::forEach([&](int alike, int shift, int smooth, std::size_t i) {
-    const double weight = std::exp(log_weight[i] - most), v = ShiftGrid::shift(shift) * ShiftGrid::shift(shift);
-    sum += weight;
-    alike_sum += weight * ShiftGrid::alike(alike);
-    variance += weight * v;
-    smoothness += weight * v * ShiftGrid::kSmoothness[static_cast<std::size_t>(smooth)];
-  });
-  ShiftEstimate estimate;
-  estimate.alike = alike_sum / sum;
-  estimate.sigma = std::sqrt(variance / sum);
-  if (variance > 0.0) estimate.smoothness = smoothness / variance;
-  return estimate;
+    const double counts = prior > 0.0 ? kPriorModes / (prior_at * prior_at) : 0.0;
+    if (!(expected + counts > 0.0)) return prior;
+    v = (std::max(0.0, seen) + counts * prior) / (expected + counts);
+    sigma = std::sqrt(2.0 / (expected + counts));
+  }
+  return v + kMargin * sigma;
 }
 
 void ShiftedPlaces::add(double size, const Eigen::Isometry3d& T_object_marker, double shift_sigma) {
@@ -102,7 +56,7 @@ void ShiftedPlaces::add(double size, const Eigen::Isometry3d& T_object_marker, d
 }
 
 std::optional<Matrix6d> shiftCovariance(const CameraModel& camera, const ShiftedPlaces& places,
-                                        const Eigen::Isometry3d& pose, double smoothness) {
+                                        const Eigen::Isometry3d& pose) {
   const std::size_t count = places.object.size();
   std::vector<Eigen::Vector2d> pixels(count);
   std::vector<Eigen::Matrix<double, 2, 6>> J(count);
@@ -119,7 +73,7 @@ std::optional<Matrix6d> shiftCovariance(const CameraModel& camera, const Shifted
   for (std::size_t i = 0; i < count; ++i) {
     noise += places.sigma[i] * places.sigma[i] * J[i].transpose() * J[i];
     for (std::size_t k = 0; k < i; ++k) {
-      const double alike = shiftCorrelation(pixels[i] - pixels[k], smoothness);
+      const double alike = shiftCorrelation(pixels[i] - pixels[k], kUsualSmoothness);
       const Matrix6d both = places.sigma[i] * places.sigma[k] * alike * J[i].transpose() * J[k];
       noise += both + both.transpose();
     }

@@ -6,33 +6,32 @@
 #include <vector>
 
 #include "pose/pose.h"
-#include "seater_perception/detection.h"
 
 namespace seater_perception {
 
-/// Correlation of a field at two places that are so far `apart` [px]. The field is white noise smoothed by a Gaussian
-/// of standard deviation `smoothness` [px].
+/// [px] Smoothness: a field is white noise smoothed by a Gaussian of this standard deviation. Nobody knows it in
+/// advance. The smoother a field, the more of it the fitted pose follows and the less is left over to show it: what
+/// shows is taken for that of a smooth one, and does to poses what one of middling smoothness does.
+constexpr double kShownSmoothness = 20.0, kUsualSmoothness = 14.0;
+
+/// Correlation of a field at two places that are so far `apart` [px].
 double shiftCorrelation(const Eigen::Vector2d& apart, double smoothness);
 
-/// What an image does that the model of the camera does not know.
-struct ShiftEstimate {
-  double alike = 1.0;        ///< factor of the fit's own variance: residuals of neighbouring pixels err together
-  double sigma = 0.0;        ///< [px] standard deviation of smooth shifts, of each coordinate
-  double smoothness = 14.0;  ///< [px] of them
-};
-
-/// The shifts in an image, by what fits of its markers have left over: means over all of ShiftGrid, each weighed by
-/// its probability.
+/// The variance of shifts in an image, by what fits of its markers have left over.
 class ShiftField {
  public:
-  /// `weight`: how much a marker counts; 1: as itself.
-  void add(const ShiftEvidence& evidence, double weight);
-  /// `usual`: standard deviation of shifts [px] that the prior rests on; 0: cameras are exactly as modelled unless
-  /// markers tell otherwise. `as_modelled`: residuals do not tell that the camera is not, and there may be no shifts.
-  ShiftEstimate estimate(double usual, bool as_modelled) const;
+  /// One direction of a marker's ShiftEvidence (photometric.h). `weight`: how much it counts; 1: as one.
+  void add(double information, double square, double weight);
+  /// [px^2] of each coordinate. `usual`: standard deviation [px] that is expected where markers do not tell. Quadratic
+  /// estimate of a variance component (C. R. Rao, "Estimation of variance and covariance components - MINQUE theory",
+  /// Journal of Multivariate Analysis 1971), iterated, plus a part of its own standard deviation.
+  double variance(double usual) const;
 
  private:
-  ShiftGrid::Table seen_{};
+  struct Mode {
+    double information, square, weight;
+  };
+  std::vector<Mode> modes_;
 };
 
 /// Places on prints at which an image may be shifted.
@@ -48,6 +47,6 @@ struct ShiftedPlaces {
 /// Covariance of a pose by the shifts of these places, all weighed equally; order as of PoseHypothesis::covariance.
 /// Nothing when the pose is degenerate.
 std::optional<Matrix6d> shiftCovariance(const CameraModel& camera, const ShiftedPlaces& places,
-                                        const Eigen::Isometry3d& pose, double smoothness);
+                                        const Eigen::Isometry3d& pose);
 
 }  // namespace seater_perception

@@ -58,22 +58,6 @@ std::vector<PoseHypothesis> jointFit(const PhotometricContext& context, const Do
                   kExplainedLarge);
 }
 
-/// The covariance of what is the same in the joint fit as in its members' own.
-void addShifts(const CameraModel& camera, const DockLayout& layout, const std::vector<Member>& members,
-               PoseHypothesis& hypothesis) {
-  ShiftedPlaces places;
-  double alike = 0.0, smoothness = 0.0, count = 0.0;
-  for (const Member& m : members) {
-    if (!photometric(m)) continue;
-    const DockMarker& place = layout.markers.at(m.seen->image.id);
-    places.add(place.size, place.T_dock_marker(), m.seen->shifts.sigma);
-    alike += m.seen->shifts.alike, smoothness += m.seen->shifts.smoothness, count += 1.0;
-  }
-  hypothesis.covariance *= alike / count;
-  const auto covariance = shiftCovariance(camera, places, hypothesis.pose, smoothness / count);
-  if (covariance) hypothesis.covariance += *covariance;
-}
-
 /// What the corners of the other members tell: one step of least squares, all weighed by their covariances.
 void addCorners(const CameraModel& camera, const std::vector<Member>& members, PoseHypothesis& hypothesis) {
   Matrix6d information = inverted(hypothesis.covariance);
@@ -114,8 +98,13 @@ RefinedDock refineDock(const PhotometricContext& context, const DockLayout& layo
   };
   hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), displaced), hypotheses.end());
   if (hypotheses.empty()) return {DockOutcome::displaced, dock};
+  ShiftedPlaces places;
+  for (const Member& m : *members) {
+    const DockMarker& place = layout.markers.at(m.seen->image.id);
+    if (photometric(m)) places.add(place.size, place.T_dock_marker(), m.seen->shift_sigma);
+  }
   for (auto& h : hypotheses) {
-    addShifts(context.camera, layout, *members, h);
+    if (const auto covariance = shiftCovariance(context.camera, places, h.pose)) h.covariance += *covariance;
     addCorners(context.camera, *members, h);
   }
   PosePrior prior;

@@ -137,16 +137,14 @@ RefinedMarker refineMarker(const PhotometricContext& context, const MarkerEstima
   return refined;
 }
 
-void settleMarker(const PhotometricContext& context, const PosePrior& prior, const ShiftEstimate& shifts,
+void settleMarker(const PhotometricContext& context, const PosePrior& prior, double shift_sigma,
                   MarkerEstimate& marker) {
   auto& hypotheses = marker.hypotheses;
-  marker.shifts = shifts;
+  marker.shift_sigma = shift_sigma;
   ShiftedPlaces places;
-  places.add(marker.size, Eigen::Isometry3d::Identity(), shifts.sigma);
+  places.add(marker.size, Eigen::Isometry3d::Identity(), shift_sigma);
   for (auto& h : hypotheses) {
-    h.covariance *= shifts.alike;
-    const auto covariance = shiftCovariance(context.camera, places, h.pose, shifts.smoothness);
-    if (covariance) h.covariance += *covariance;
+    if (const auto covariance = shiftCovariance(context.camera, places, h.pose)) h.covariance += *covariance;
   }
   const auto unknown = [](const PoseHypothesis& h) { return !meaningful(h); };
   hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), unknown), hypotheses.end());

@@ -39,9 +39,10 @@ struct RefinedMarker {
 /// function and brightness are near.
 RefinedMarker refineMarker(const PhotometricContext& context, const MarkerEstimate& marker, bool tracked);
 
-/// A refined marker's covariances with what the image's shifts add, the poses weighed by photometric residual and
-/// prior, and the corners of the best one. No pose is left where none says anything.
-void settleMarker(const PhotometricContext& context, const PosePrior& prior, const ShiftEstimate& shifts,
+/// A refined marker's covariances with those of the image's shifts (standard deviation `shift_sigma` [px]), the poses
+/// weighed by photometric residual and prior, and the corners of the best one. No pose is left where none says
+/// anything.
+void settleMarker(const PhotometricContext& context, const PosePrior& prior, double shift_sigma,
                   MarkerEstimate& marker);
 
 }  // namespace seater_perception

@@ -3,16 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "numerics/solve.h"
 #include "stage/initial_poses.h"
 
 namespace seater_perception {
 namespace {
 
-constexpr double kLongTails = 2.0;  // of the corners' standard deviation
-// Of the variance that deviations of the grey levels are allowed in a corner, what it has: edges average over them.
-// Branches are decided with all of it. By the normalised errors of drawn kinds of cameras.
-constexpr double kOfCorners = 0.6;
+constexpr double kLongTails = 2.0;   // of the corners' standard deviation
 constexpr double kSameBranch = 0.1;  // [rad] of turn: both stages found the same pose. Chosen by hand
 constexpr double kLeastWeight = 1e-9;
 constexpr std::size_t kCorners = 4;
@@ -29,15 +25,6 @@ void addMirrored(const CameraModel& camera, const Correspondences& corners, Mark
   other.chi_squared = chiSquared(camera, corners, other.pose);
   other.error = reprojectionError(camera, corners, other.pose);
   if (std::exp(0.5 * (marker.best().chi_squared - other.chi_squared)) > kUndecided) marker.hypotheses.push_back(other);
-}
-
-/// As the pose `decided` is uncertain, not as the corners: what they leave open is the branch.
-void takeUncertainty(const CameraModel& camera, const Correspondences& corners, const PoseHypothesis& decided,
-                     PoseHypothesis& other) {
-  const auto here = poseCovariance(camera, corners, decided.pose), there = poseCovariance(camera, corners, other.pose);
-  if (!here || !there) return;
-  const double share = (inverted(*here) * decided.covariance).trace() / 6.0;
-  if (std::isfinite(share) && share > 0.0) other.covariance = share * *there;
 }
 
 }  // namespace
@@ -60,19 +47,16 @@ std::optional<MarkerEstimate> cornersEstimate(const CameraModel& camera, const M
     for (const auto& h : result->hypotheses) smallest = std::min(smallest, h.chi_squared);
     result->ambiguity = ambiguity(result->hypotheses, inflation(smallest, points->size()));
   }
-  const double deviates = marker.model_sigma * marker.model_sigma, known = usual * usual;
-  const double part = (known + kOfCorners * deviates) / (known + deviates);
   for (auto& h : result->hypotheses) {
-    h.covariance *= part * inflation(tails * tails * h.chi_squared, kCorners) /
-                    (tails * tails * inflation(h.chi_squared, kCorners));
+    h.covariance *=
+        inflation(tails * tails * h.chi_squared, kCorners) / (tails * tails * inflation(h.chi_squared, kCorners));
   }
   result->model_sigma = marker.model_sigma;
   result->image.corner_sigma /= tails;
   return result;
 }
 
-void openBranches(const CameraModel& camera, const MarkerEstimate& by_corners, const PoseParameters& parameters,
-                  MarkerEstimate& marker) {
+void openBranches(const MarkerEstimate& by_corners, MarkerEstimate& marker) {
   const auto& open = by_corners.hypotheses;
   if (open.empty() || marker.hypotheses.empty() || by_corners.branch_known) return;
   const PoseHypothesis decided = marker.best();
@@ -88,11 +72,7 @@ void openBranches(const CameraModel& camera, const MarkerEstimate& by_corners, c
     weight = std::min(1.0, far->weight / std::max(kLeastWeight, near->weight));
   }
   if (likelihood <= kUndecided || turnBetween(*far, decided) < kSameBranch) return;
-  if (marker.hypotheses.size() == 1) {
-    const auto corners = markerCorrespondences(camera, by_corners.image, by_corners.size, parameters);
-    marker.hypotheses.push_back(*far);
-    if (corners) takeUncertainty(camera, *corners, decided, marker.hypotheses.back());
-  }
+  if (marker.hypotheses.size() == 1) marker.hypotheses.push_back(*far);
   marker.hypotheses.resize(2);
   marker.hypotheses[0].weight = 1.0 / (1.0 + weight);
   marker.hypotheses[1].weight = weight / (1.0 + weight);

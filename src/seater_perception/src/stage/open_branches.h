@@ -19,9 +19,7 @@ std::optional<MarkerEstimate> cornersEstimate(const CameraModel& camera, const M
 
 /// Adds to `marker`, whose photometric fit has decided, the other pose if its corners do not rule that out
 /// (`by_corners`, of cornersEstimate): residuals that are alike from pixel to pixel, as smooth shifts of some tenths of
-/// a pixel leave them, may favour the wrong one by any amount. The fit's choice stays the most probable one, and
-/// the other is as uncertain as it.
-void openBranches(const CameraModel& camera, const MarkerEstimate& by_corners, const PoseParameters& parameters,
-                  MarkerEstimate& marker);
+/// a pixel leave them, may favour the wrong one by any amount. The fit's choice stays the most probable one.
+void openBranches(const MarkerEstimate& by_corners, MarkerEstimate& marker);
 
 }  // namespace seater_perception

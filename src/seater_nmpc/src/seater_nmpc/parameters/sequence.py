@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from seater_common.params import param
 
-CHECKS = ("never", "when_unknown", "always")
+CHECKS = ("never", "on_the_way", "when_unknown", "always")
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,8 @@ class SequenceParameters:
     installation_check: str = param(
         "never",
         "",
-        "turns in front of the bay that show where the camera sits; when_unknown: until dockings have shown it",
+        "turns in front of the bay that show where the camera sits; when_unknown: until dockings have shown it; "
+        "on_the_way: so, where it need not back out for them",
         choices=CHECKS,
     )
     installation_doubt: float = param(

@@ -296,8 +296,7 @@ class DockingSequence:
             failed = "" if end.code is ResultCode.SUCCESS else f"{end.text}: "
             return ResultCode[doubt.kind.name], failed + doubt.text
         text = f"{end.text}, but {suspicion}" if suspicion else end.text
-        checked = self._parameters.installation_check != "never"
-        unsure = self._watch.unsure(self._standard_deviations[0], checked=checked)
+        unsure = self._watch.unsure(self._standard_deviations[0], checked=self._phases.installation_checked)
         if end.code is ResultCode.SUCCESS and unsure and not self._goal.contact:
             return ResultCode.NOT_CERTAIN, f"{text}, and {unsure}"
         return end.code, text

@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 
 _FAR_ENOUGH = 0.4  # [m] short of the far place, where the chair may turn as well
 _ELSEWHERE = 0.25  # [m] from where it has turned before: a slippery place under one wheel would show again
+_BOTH = 2  # places, far and near
 _NEAR = 0.06  # [m] from a place
 _LONGEST = 20.0  # [s] on the way to a place: then it turns where it is
 _TURNS = "turns to both sides and back: the markers show where the camera sits on the chair"
@@ -65,7 +66,16 @@ class InstallationCheck:
         begins = turned == 0 and p.installation_check == "always"
         if known and turned != 1 and not begins:
             return False
-        return straight or (turned == 0 and self._is_far(error) and self._has_room(error))
+        begins_here = turned == 0 and self._is_far(error) and self._has_room(error)
+        if p.installation_check == "on_the_way":  # nowhere that it would have to back out to
+            return begins_here or (straight and turned == _BOTH - 1)
+        return straight or begins_here
+
+    @property
+    def vouches(self) -> bool:
+        """Whether a success has to be as certain as turns make it."""
+        check = self._context.parameters.installation_check
+        return check != "never" and (check != "on_the_way" or len(self._turned) >= _BOTH)
 
     def check(self, chair: Instant) -> Asked:
         """CHECK_INSTALLATION: to a place in front of the bay, and turn there to both sides. Raises GoalEnd."""

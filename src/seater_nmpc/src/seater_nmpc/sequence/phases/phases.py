@@ -94,6 +94,11 @@ class Phases:
         check = phase is Phase.CHECK_INSTALLATION and self._check.backs_out
         return phase in _BACKING_OUT or self._way_in.backs_off or staging or check
 
+    @property
+    def installation_checked(self) -> bool:
+        """Whether a success has to be as certain as turns make it."""
+        return self._check.vouches
+
     def _retry(self, chair: Instant) -> Asked:
         """RETRY; then again from there."""
         asked = self._way_out.retry(chair)
