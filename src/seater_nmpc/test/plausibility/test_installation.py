@@ -54,8 +54,8 @@ def found(wrong=(0.0, 0.0, 0.0, 0.0), slip: float = 0.02, seed: int = 1, way=S_C
             assert chair is not None
             measured = in_frame(chair.pose, Measurement(pose, np.diag(NOISE**2)))
             installation.add(chair, [measured], measured.pose)
-    error = installation.error()
-    assert error is not None
+    error, (least, most) = installation.error(), installation._headings
+    assert error is not None and (most - least > 0.5) is (way is S_CURVE)
     return error
 
 
@@ -94,11 +94,22 @@ def test_what_is_wrong_is_found_and_named(wrong, name: str) -> None:
     assert error.effects[:, index] == pytest.approx(truly, rel=0.35, abs=0.003)
 
 
-@pytest.mark.parametrize(("slipping", "dockings", "wrong"), [(0.0237, 0, False), (0.05, 0, True), (0.0237, 3, True)])
-def test_what_vanishes_with_more_slip_is_slip(slipping: float, dockings: int, wrong: bool) -> None:
+@pytest.mark.parametrize(
+    ("slipping", "turned", "dockings", "wrong"),
+    [
+        (0.0237, 0.8, 0, False),
+        (0.04, 0.8, 0, True),
+        (0.04, 0.1, 0, False),
+        (0.05, 0.1, 0, True),
+        (0.0237, 0.8, 3, True),
+    ],
+)
+def test_what_vanishes_with_more_slip_is_slip(slipping: float, turned: float, dockings: int, wrong: bool) -> None:
     """As commissioning met it (seed 1027): 0.077 m by little slip, whose evidence was 58 ahead, at 5 standard
-    deviations; it stood 2 mm off. Over four dockings patches no longer count for much."""
+    deviations; it stood 2 mm off. Over four dockings patches no longer count for much. A way that hardly turns (case 20
+    of the campaign 3300000, 3 mm off) shows a place of the camera by its wriggles alone: there more has to stay."""
     installation = Installation(CHAIR.camera, DOCK, ObserverParameters())
+    installation._headings = (-0.5 * turned, 0.5 * turned)
     installation._evidence = np.array([0.0, -58.0, -182.0, -487.0])
     covariance = np.diag([2.5e-4, 4.5e-4, 8e-6, 1e-3])
     values = [(0.004, y, -0.001, 0.0) for y in (0.0785, slipping, 0.005, 0.0003)]
