@@ -48,5 +48,5 @@ class PlausibilityParameters:
     )
     # Of 36 right installations with the check the largest is 13.1 mm (the same page, "Installation check").
     final_unsure_checked: float = param(
-        0.014, "m", "the same where the sequence's `installation_check` is made", low=0.005, high=1.0
+        0.015, "m", "the same where the sequence's `installation_check` is made", low=0.005, high=1.0
     )

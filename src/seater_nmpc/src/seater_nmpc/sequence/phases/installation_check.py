@@ -67,15 +67,19 @@ class InstallationCheck:
         if known and turned != 1 and not begins:
             return False
         begins_here = turned == 0 and self._is_far(error) and self._has_room(error)
-        if p.installation_check == "on_the_way":  # nowhere that it would have to back out to
-            return begins_here or (straight and turned == _BOTH - 1)
+        if self._on_the_way and (turned == 0 or turned > _BOTH):  # nowhere that it would have to back out far to
+            return begins_here
         return straight or begins_here
 
     @property
     def vouches(self) -> bool:
         """Whether a success has to be as certain as turns make it."""
-        check = self._context.parameters.installation_check
-        return check != "never" and (check != "on_the_way" or len(self._turned) >= _BOTH)
+        never = self._context.parameters.installation_check == "never"
+        return not never and (not self._on_the_way or len(self._turned) >= _BOTH)
+
+    @property
+    def _on_the_way(self) -> bool:
+        return self._context.parameters.installation_check == "on_the_way"
 
     def check(self, chair: Instant) -> Asked:
         """CHECK_INSTALLATION: to a place in front of the bay, and turn there to both sides. Raises GoalEnd."""
@@ -122,7 +126,7 @@ class InstallationCheck:
         """The place to turn at."""
         if not self._turned and self._is_far(error):
             return float(error[0])
-        to_far = bool(self._turned) and not self._turned[-1]
+        to_far = bool(self._turned) and not self._turned[-1] and not self._on_the_way
         elsewhere = _ELSEWHERE * (len(self._turned) // 2)
         return self._far + elsewhere if to_far else self._context.dock.predock_x - elsewhere
 
