@@ -24,6 +24,7 @@ from seater_eval.baselines.minimum_time_guesses import Guess, guesses
 from seater_eval.baselines.minimum_time_programme import MinimumTimeProgramme, arrival_speeds
 
 Array = NDArray[np.float64]
+STEPS = (40, 20)  # of the motion ahead of the bay and inside it
 _FEASIBLE = 1e-6  # [m, rad, m/s, rad/s] largest violation of a solution that counts
 
 
@@ -45,7 +46,7 @@ class MinimumTime:
     """Solves for many starts; building it takes a moment."""
 
     def __init__(
-        self, chair: Chair, dock: Dock | None, tolerance: Tolerance | None = None, steps: tuple[int, int] = (40, 20)
+        self, chair: Chair, dock: Dock | None, tolerance: Tolerance | None = None, steps: tuple[int, int] = STEPS
     ) -> None:
         """`dock`: its bay is respected (None: free space). `tolerance`: the target is the set of states from which the
         chair need not leave it again (None: at rest exactly at the dock). `steps` ahead of the bay and inside it."""

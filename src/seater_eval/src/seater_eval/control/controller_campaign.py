@@ -15,7 +15,7 @@ from seater_common.way_clearance import smallest_clearance
 from seater_eval.baselines.bay_speed import SlowInBay
 from seater_eval.baselines.closed_loop import run_perfect
 from seater_eval.baselines.interface import PoseController
-from seater_eval.baselines.minimum_time import MinimumTime, straight_line_bound
+from seater_eval.baselines.minimum_time import STEPS, MinimumTime, straight_line_bound
 from seater_eval.baselines.park_kuipers import ParkKuipers
 from seater_eval.baselines.pbvs import Pbvs
 from seater_eval.control.campaign_cases import draw_cases
@@ -41,12 +41,12 @@ class CampaignJob:
     solver: str  # empty: that of config/controller.yaml
     noise: NoiseModel
     plant: str = ""  # kinematic or wheelchair; empty: that of config/simulator.yaml
-    mesh: tuple[int, int] = (40, 20)  # steps of the minimum time's motion ahead of the bay and inside it
+    mesh: tuple[int, int] = STEPS  # of the minimum time's motion
 
 
 @functools.lru_cache(maxsize=2)
 def _tools(
-    config: str, solver: str, plant: str = "", mesh: tuple[int, int] = CampaignJob.mesh
+    config: str, solver: str, plant: str, mesh: tuple[int, int]
 ) -> tuple[Setup, DockingController, Navigator, MinimumTime]:
     """Made once in each process. No wall-time limit: a loaded machine decides the same."""
     setup = _with_plant(load_setup(config), plant)
@@ -110,7 +110,7 @@ def run_campaign(
     plant: str = "",
     workers: int | None = None,
     noise: NoiseModel | None = None,
-    mesh: tuple[int, int] = CampaignJob.mesh,
+    mesh: tuple[int, int] = STEPS,
     partial: Path | None = None,
 ) -> dict[str, Any]:
     """All runs, in the order of their index. `partial`: see run_long."""

@@ -46,7 +46,7 @@ class PlausibilityParameters:
     final_unsure: float = param(
         0.06, "m", "standard deviation of the final error beyond which only a contact is a success", low=0.005, high=1.0
     )
-    # Of 36 right installations with the check the largest is 13.1 mm (the same page, "Installation check").
+    # What `installation_doubt` and calibration leave, 12 and 9 mm (the same page, "Installation check").
     final_unsure_checked: float = param(
         0.015, "m", "the same where the sequence's `installation_check` is made", low=0.005, high=1.0
     )

@@ -137,7 +137,7 @@ class Installation:
 
     def __init__(self, mount: CameraMount, dock: Dock, parameters: ObserverParameters) -> None:
         self._camera = np.array([mount.x, mount.y, mount.yaw])
-        self._middle = np.mean([marker.position[:2] for marker in dock.markers], axis=0)
+        self._middle = dock.front[:2]
         self._normal = float(np.mean([marker.normal_yaw for marker in dock.markers]))
         self._constant = np.diag(np.square([*_CONSTANT, parameters.gyro_bias_sd]))
         self._slip_turn_noise = parameters.slip_turn_noise
@@ -221,16 +221,21 @@ class Installation:
     def error(self) -> InstallationError | None:
         """By the filter that accuses least, of those that explain the images about as well as the likeliest one; None
         before there is one, and where the odometry's heading drifts with time."""
-        best = int(np.argmax(self._evidence))
-        if self._last is None or abs(self._mean[best][SIZE - 1]) > _DRIFTS:
+        if self._best is None:
             return None
         return self._mildest([self._found(i) for i in range(len(_SLIPS))], self.known.dockings)
 
     def likeliest(self) -> InstallationError | None:
         """By the filter that explains the images best: before a goal has driven far, all explain them, and the mildest
         is one that believes nothing. None: as of `error`."""
-        found = self.error()
-        return None if found is None else self._error_by(*self._found(int(np.argmax(self._evidence))), found.dockings)
+        best = self._best
+        return None if best is None else self._error_by(*self._found(best), self.known.dockings)
+
+    @property
+    def _best(self) -> int | None:
+        """The filter that explains the images best; None: as of `error`."""
+        best = int(np.argmax(self._evidence))
+        return None if self._last is None or abs(self._mean[best][SIZE - 1]) > _DRIFTS else best
 
     @property
     def unknown(self) -> Array:
@@ -268,9 +273,9 @@ class Installation:
         return slipping if vanishes and dockings + 1 < _SERIES else errors[best]
 
     def _error_by(self, values: Array, P: Array, dockings: int) -> InstallationError:
-        noise = P - P @ np.diag(PRIOR**-2) @ P + np.diag(np.square(_MODEL))
-        B = self._effect(np.zeros(3))
-        return InstallationError(values, noise, B * values, B @ (P + np.diag(np.square(_MODEL))) @ B.T, dockings)
+        model, B = np.diag(np.square(_MODEL)), self._effect(np.zeros(3))
+        noise = P - P @ np.diag(PRIOR**-2) @ P + model
+        return InstallationError(values, noise, B * values, B @ (P + model) @ B.T, dockings)
 
     def _begin(self, chair: Instant, first: Measurement) -> None:
         for drift, values, known in zip(self._drifts, self.known.values, self.known.covariances, strict=True):

@@ -60,8 +60,9 @@ class Slowing:
         while self._moments[0].stamp < now - _MEMORY:
             self._moments.popleft()
         forward = math.copysign(1.0, speed)
-        expected = max(forward * one for one in newest.predicted)
-        if abs(speed) < min(forward * one for one in newest.predicted) - _LATE:
+        predicted = [forward * one for one in newest.predicted]
+        expected = max(predicted)
+        if abs(speed) < min(predicted) - _LATE:
             self._late = now
         if abs(speed) < _DRIVES or abs(speed) < expected + _BEYOND or now - self._late < _LEARNS:
             return None

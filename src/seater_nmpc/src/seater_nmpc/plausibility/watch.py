@@ -43,7 +43,7 @@ class Watch:
     ) -> None:
         self._observer, self._parameters = observer, parameters
         self._response = Response(history, chair.limits, parameters)
-        self._middle = np.mean([marker.position[:2] for marker in dock.markers], axis=0)
+        self._middle = dock.front[:2]
         self._markers = Markers(chair.camera, dock, parameters)
         self._installation = Installation(chair.camera, dock, observer.parameters)
         self._begun, self._compared = 0.0, -np.inf  # [s] begin of the goal; newest image that was compared

@@ -67,7 +67,7 @@ class Search:
             yield from self._look_around(SWEEPS)
 
     def _look_around(self, sweeps: Sequence[float]) -> Iterator[Speeds]:
-        middle = np.mean([marker.position[:2] for marker in self._dock.markers], axis=0)
+        middle = self._dock.front[:2]
         towards = self._bearing(middle) - self._chair.camera.yaw
         for aside in sweeps:
             yield from self._turn(towards + aside)

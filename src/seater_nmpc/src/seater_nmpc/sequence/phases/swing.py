@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.geometry import Chair, Dock, polygon_distance
-from seater_common.se2 import wrap_angle
+from seater_common.se2 import compose, wrap_angle
 from seater_common.sight import Sight
 
 Array = NDArray[np.float64]
@@ -36,7 +36,7 @@ class Swing:
 
     def __init__(self, chair: Chair, dock: Dock, sight: Sight) -> None:
         self._chair, self._sight, self._walls = chair, sight, dock.bay.outlines()
-        self._middle = np.mean([marker.position[:2] for marker in dock.markers], axis=0)
+        self._middle = dock.front[:2]
         self._now, self._pose, self._rest, self._areas = 0.0, np.zeros(3), np.zeros(3), self._walls
         self._steps = self._swing()
 
@@ -70,7 +70,9 @@ class Swing:
 
     def _straight(self) -> Iterator[Speeds]:
         start, until = self._pose[:2], self._now + _LONGEST / 3.0
-        while (left := _AHEAD - math.dist(self._rest[:2], start)) > _ARRIVED and self._clear(self._ahead(_AHEAD)):
+        while (left := _AHEAD - math.dist(self._rest[:2], start)) > _ARRIVED and self._clear(
+            compose(self._pose, [_AHEAD, 0.0, 0.0])
+        ):
             if self._now > until:
                 return
             yield min(_SPEED, math.sqrt(2.0 * _DECELERATION * left)), 0.0
@@ -90,10 +92,6 @@ class Swing:
     def _towards(self, pose: Array) -> float:
         """Heading at which the camera looks at the middle of the markers."""
         return math.atan2(self._middle[1] - pose[1], self._middle[0] - pose[0]) - self._sight.mount.yaw
-
-    def _ahead(self, way: float) -> Array:
-        c, s = math.cos(self._pose[2]), math.sin(self._pose[2])
-        return self._pose + way * np.array([c, s, 0.0])
 
     def _clear(self, pose: Array) -> bool:
         corners, here = self._chair.corners_at(pose), self._chair.corners_at(self._pose)
