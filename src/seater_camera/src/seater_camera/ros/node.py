@@ -40,7 +40,8 @@ class CameraNode:
         self._stamper = Stamper(settings.clock, wall=lambda: rospy.Time.now().to_sec())
         self._stream = Stream(source, settings, self._stamper, self._publish, lens=_calibration(settings))
         self._images = rospy.Publisher("image_raw", Image, queue_size=1, tcp_nodelay=True)
-        self._infos = rospy.Publisher("camera_info", CameraInfo, queue_size=1, tcp_nodelay=True)
+        # An image without its camera_info is lost: while an image may be left out for a newer one, those wait.
+        self._infos = rospy.Publisher("camera_info", CameraInfo, queue_size=10, tcp_nodelay=True)
         self._updater = diagnostic_updater.Updater()
         self._updater.setHardwareID(source.name)
         self._updater.add("camera", lambda status: write_status(status, self._stream, self._stamper))
