@@ -97,4 +97,5 @@ def test_a_chair_that_is_only_short_of_the_dock_and_has_way_enough_drives_on() -
         ((0.02, 0.0, 0.0), 0.02, level, False),
     ):
         assert has_way_on(np.array(error), overshoot, roll, P) is drives, (error, overshoot)
-    assert next_overshoot(-0.01, level) == -0.01 and next_overshoot(-0.01, rolls) == pytest.approx(-0.015)
+    assert next_overshoot(-0.01, 0.0, level) == -0.01 and next_overshoot(-0.01, 0.0, rolls) == pytest.approx(-0.015)
+    assert next_overshoot(None, -0.01, level) == -0.01 and next_overshoot(None, 0.0, rolls) == pytest.approx(-0.02)

@@ -171,7 +171,7 @@ def test_with_the_chair_known_but_for_its_roll_one_push_is_enough() -> None:
 def test_a_chair_that_does_not_roll_though_a_stop_seemed_to_show_it_is_not_pushed_far_beyond() -> None:
     x, before = 0.02, None
     for _ in range(4):
-        roll = Roll(0.02, 1.0) if before is None else Roll(0.01, 1.0).after(Roll())
+        roll = Roll(0.02, 1.0) if before is None else Roll(0.005, 1.0)
         before = FineMove(np.array([x, 0.0, 0.0]), False, chair(AxisDrive()), LIMITS, PERIOD, before, roll=roll)
         x += carry_out(before, AxisDrive())[0]
         assert x > -0.03

@@ -17,12 +17,13 @@ from seater_nmpc.sequence.rest.after_effects import AfterEffects
 from seater_nmpc.sequence.rest.correction import Verdict as Correction
 from seater_nmpc.sequence.rest.correction import is_off, judge, standing_dock, surely
 from seater_nmpc.sequence.rest.fine_move import FineMove
-from seater_nmpc.sequence.rest.roll import Roll, RollWatch
+from seater_nmpc.sequence.rest.roll import Belief, Roll, RollWatch
 from seater_nmpc.sequence.rest.verification import Verdict, Verification, within
 
 Array = NDArray[np.float64]
 
 _UNSEEN_IMAGES = 6  # times between two images
+_ARRIVES_OFF = 0.004  # [m] from which on the next docking allows for it
 _OVERSHOT = 0.008  # [m] beside where a stop was to end, from which on the next one allows for it
 _LAGS, _DOUBT = 2.5, 0.2  # times the lag, and [s], after the delay, until the motors have to stand
 _LONGEST_LAG = 0.3  # [s] that is waited for: a roll is learned as lag, too
@@ -40,7 +41,9 @@ class AtDock:
 
     def __init__(self, context: Context) -> None:
         self._context = context
-        self._phase, self._rolls, self._driven_on = context.goal.phase, Roll(), 0
+        self._phase, self._belief, self._roll = context.goal.phase, Belief(), RollWatch()
+        self._driven_on = self._moves = 0
+        self._arrival: float | None = None  # [m] beside where it was to end that a docking's first stop does; mean
         self._off: float | None = None  # [m] beside where the last stop was to end
         self.restart(context.goal.phase)
 
@@ -48,13 +51,17 @@ class AtDock:
         """This phase begins; moves are counted, and learned from, until the chair leaves the dock."""
         self._verification: Verification | None = None
         self._begun_by, self._phase = self._phase, phase
-        self._roll: RollWatch | None = None  # in STOPPING
-        if phase is Phase.WAITING_FOR_DOCK:  # it may be another floor
-            self._rolls = Roll()
+        self._motors_stand: float | None = None  # [s] from when on they have to, in STOPPING
+        if phase is not Phase.STOPPING or self._begun_by is not Phase.CORRECTING:
+            self._roll = RollWatch()
+        if phase is Phase.WAITING_FOR_DOCK:  # the floor is the same as the last time, the load need not be
+            self._belief = self._belief.aged()
+            off = self._rolls.way() if self._arrival is None else self._arrival
+            self._context.goal.overshoot = off if abs(off) > _ARRIVES_OFF else 0.0
         self._closed = self._context.goal.now  # the contact, when it was so last
         if phase not in (Phase.STOPPING, Phase.CORRECTING, Phase.VERIFY):
             self._driven_on = self._driven_on if phase is Phase.FINAL else 0
-            self._moves = 0
+            self._moves = self._moves if self._driven_on else 0
             self._fine_move: FineMove | None = None
             self._moved_from: Array | None = None  # error before it
             self._after_effects = AfterEffects()
@@ -63,17 +70,17 @@ class AtDock:
         """STOPPING: stand until enough images were taken at rest, then decide what is to be done."""
         c, p = self._context, self._context.parameters
         c.look(chair)
-        roll = self._watch_roll(chair)
+        motors_stand = self._watch_roll(chair)
         # Before the motors stand, one that they hold against its roll only seems to.
-        if not c.standstill.has_stood(chair.stamp, c.measured(chair)) or not roll.motors_stand:
+        if not c.standstill.has_stood(chair.stamp, c.measured(chair)) or chair.stamp < motors_stand:
             return STANDING
-        since = max(c.standstill.since, roll.since)
+        since = max(c.standstill.since, motors_stand)
         fresh = c.observer.measurements_since(since)
         if len(fresh) < p.move_measurements:
             late = chair.stamp - since > max(_UNSEEN, _UNSEEN_IMAGES * c.observer.images.period)
             return Phase.VERIFY if late else STANDING
         c.goal.error = inverse(standing_dock(fresh))
-        self._learn_roll(roll, float(c.goal.error[0]))
+        self._learn_roll(float(c.goal.error[0]))
         return self._decide(c.goal.error)
 
     def correct(self, chair: Instant) -> Asked:
@@ -82,7 +89,11 @@ class AtDock:
         c.look(chair)
         assert self._fine_move is not None  # set with the phase
         asked = self._fine_move.speeds()
-        return Phase.STOPPING if asked is None else c.controller.move(chair.stamp, c.speeds(chair), *asked)
+        if asked is None:
+            return Phase.STOPPING
+        self._roll.push(chair.stamp, asked[self._fine_move.turning])
+        self._roll.see(chair.stamp, chair.pose)
+        return c.controller.move(chair.stamp, c.speeds(chair), *asked)
 
     def verify(self, chair: Instant) -> Asked:
         """VERIFY: stand until the images, and the contact if it is required, give the result. Raises GoalEnd."""
@@ -123,24 +134,33 @@ class AtDock:
             raise GoalEnd(ResultCode.SUCCESS, Verdict.DOCKED.value)
         return replace(STANDING, text="docked, watches the contact")
 
-    def _watch_roll(self, chair: Instant) -> RollWatch:
-        if self._roll is None:
+    def _watch_roll(self, chair: Instant) -> float:
+        """When the motors have to stand [s]."""
+        if self._motors_stand is None:
             history = self._context.controller.history
-            demand_ends = self._context.goal.deadlines.entered + history.delay
-            self._roll = RollWatch(demand_ends, demand_ends + _LAGS * min(history.drive.lag_v, _LONGEST_LAG) + _DOUBT)
+            runs_on = _LAGS * min(history.drive.lag_v, _LONGEST_LAG) + _DOUBT
+            self._motors_stand = self._context.goal.deadlines.entered + history.delay + runs_on
+        self._roll.stop(chair.stamp, self._motors_stand)
         self._roll.see(chair.stamp, chair.pose)
-        return self._roll
+        return self._motors_stand
 
-    def _learn_roll(self, roll: RollWatch, x: float) -> None:
+    def _learn_roll(self, x: float) -> None:
         """Where the chair stands, `x` [m] in the dock's frame, after a stop that was to end elsewhere, and how it came
         there: a stop that was timed badly ends elsewhere, too."""
-        goal = self._context.goal
+        goal, history = self._context.goal, self._context.controller.history
         self._off = None if goal.expected_rest is None else x - goal.expected_rest
         if self._off is not None:
             goal.overshoot = self._off if abs(self._off) > _OVERSHOT else 0.0
+            if self._begun_by is Phase.FINAL and not (goal.retries or self._driven_on):
+                self._arrival = self._off if self._arrival is None else 0.5 * (self._arrival + self._off)
         goal.expected_rest = None
-        if self._begun_by in (Phase.FINAL, Phase.CORRECTING) and roll.would_show(self._rolls):
-            self._rolls = self._rolls.after(roll.seen)
+        if self._begun_by in (Phase.FINAL, Phase.CORRECTING):
+            drive = history.drive
+            self._belief = self._belief.after(self._roll, history.delay, (drive.lag_v, drive.lag_omega))
+
+    @property
+    def _rolls(self) -> Roll:
+        return self._belief.roll
 
     def _needs_move(self) -> bool:
         """Whether verification shows, beyond doubt, what the few images before it did not."""
@@ -170,7 +190,7 @@ class AtDock:
     def _drives_on(self, error: Array) -> bool:
         """Whether it drives on to the dock before which it stands; if so, its next stop allows for its last one."""
         goal = self._context.goal
-        overshoot = way_on.next_overshoot(goal.overshoot if self._off is None else self._off, self._rolls)
+        overshoot = way_on.next_overshoot(self._off, goal.overshoot, self._rolls)
         if self._driven_on >= way_on.MOST:
             return False
         if not way_on.has_way_on(error, overshoot, self._rolls, self._context.parameters):

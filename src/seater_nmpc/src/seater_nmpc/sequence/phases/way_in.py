@@ -77,6 +77,7 @@ class WayIn:
             c.goal.expected_rest = float(rest[0])
             return Phase.STOPPING
         if c.standstill.in_place(chair.stamp, rest + np.array([short, 0.0, 0.0])):
+            c.goal.expected_rest = -short  # what is missing is left out by the next one
             return Phase.STOPPING
         near, hovers = bool(abs(error[0]) <= _NEAR), c.standstill.stuck(chair.stamp, error)
         if near and hovers:  # to and fro: castors that swing round push it away again each time

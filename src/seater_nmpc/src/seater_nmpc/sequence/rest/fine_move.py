@@ -7,12 +7,13 @@ that is chosen which leaves least on average over what is known of the chair (mo
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.geometry import Limits
-from seater_nmpc.drive.axis import ChairDrive
+from seater_nmpc.drive.axis import AxisDrive, ChairDrive
 from seater_nmpc.sequence.rest.move_response import MoveResponse
 from seater_nmpc.sequence.rest.roll import Roll
 
@@ -56,6 +57,8 @@ class FineMove:
         lag = drive.lag_omega if turning else drive.lag_v
         self._begin = float(error[self._index])
         roll = roll or Roll()
+        if not turning:
+            self._axis = _level(self._axis, roll)
         self._drift = roll.turn(_PUSHED) if turning else 0.0  # [rad] by itself meanwhile
         self._wanted = self._begin + self._drift - leave
         self._learned: Learned = {} if before is None else before._learned_after(error)
@@ -118,3 +121,8 @@ class FineMove:
             if key != (self.turning, self._wanted > 0.0):
                 response.forget()
         return self._learned
+
+
+def _level(axis: AxisDrive, roll: Roll) -> AxisDrive:
+    """Without the roll, that was learned with it: it takes off, or adds to, each speed ahead, as friction does."""
+    return replace(axis, deadband=max(0.0, axis.deadband + roll.speed)) if axis.offset else axis

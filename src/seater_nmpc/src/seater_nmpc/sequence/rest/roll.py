@@ -1,32 +1,39 @@
 """How a chair rolls while its brakes are open: on a slope, from a push or turn on until they grip again.
 
 A motor without demand gives way to the slope's pull with a steady speed, so the way is that speed times the time with
-open brakes: the time of the push and the time until they grip. Across a slope it turns downhill in the same manner. All
-three show in the odometry of each stop, after the motors have to stand.
+open brakes: the time of the push and the time until they grip. Across a slope it turns downhill in the same manner.
+Both show in the odometry of each stop (creep.py).
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.se2 import relative
+from seater_nmpc.sequence.rest.creep import HOLDS, Creep, Demand, fit, likely_holds
 
 Array = NDArray[np.float64]
 
 _SEEN = (0.002, 0.004)  # [m, rad] from which on it is a roll: two ticks of a coarse encoder
-_NEWEST = 0.5  # weight of the newest stop
+_LIKELY = 0.5  # from which on it is reckoned with
 _SD, _SHARE = 0.002, 0.15  # [m], and share of the way, by which a roll differs from the last one
 _WORTH_SAYING = 5.0  # [mm]
 _USUAL_HOLD = 1.0  # [s] from the end of the demand until brakes grip; of powered chairs 0.3 to 2 s
+_NOISE = (0.0008, 0.0015)  # [m, rad] of odometry beside what a fit can follow
+_COARSE = 0.6  # of the odometry's resolution: it is noise as well
+_DRIFT = 0.004  # [m/s or rad/s] from stop to stop
+_CHANGES = 0.008  # the same from docking to docking
+_FEWEST = 8  # cycles that are fitted
+_LONGEST = 3.0  # [s] after the last command, beyond which the trace is not needed
 
 
 @dataclass(frozen=True)
 class Roll:
-    """What stops have shown; nothing yet: `speed` is zero."""
+    """What is reckoned with; nothing: `speed` and `turning` are zero."""
 
     speed: float = 0.0  # [m/s] ahead (negative: back) while the brakes are open
     hold: float = _USUAL_HOLD  # [s] after the end of the demand
@@ -56,63 +63,87 @@ class Roll:
         """[m] of `way`."""
         return math.hypot(_SD, _SHARE * self.way())
 
-    def after(self, seen: Roll) -> Roll:
-        """With one more stop, in which this one was seen."""
-        if not self.seen:
-            return seen
-        old = 1.0 - _NEWEST
-        speed, turning = old * self.speed + _NEWEST * seen.speed, old * self.turning + _NEWEST * seen.turning
-        # Where nothing is seen, it did not roll, or not longer than its motors may have run on.
-        return Roll(speed, old * self.hold + _NEWEST * seen.hold if seen.seen else self.hold, turning)
-
 
 class RollWatch:
-    """Of one stop: `see` each cycle, then ask what was `seen`."""
+    """Of one stop, and of the small move before it: `push` and `see` each cycle, `stop` once."""
 
-    def __init__(self, demand_ends: float, motors_stand: float) -> None:
-        """Times [s] at which the last command ends to act, and at which the motors have to stand."""
-        self._demand_ends, self._motors_stand = demand_ends, motors_stand
-        self._from: Array | None = None
+    def __init__(self) -> None:
         self._times: list[float] = []  # [s]
-        self._ways: list[tuple[float, float]] = []  # rolled, turned [m, rad]
+        self._ways: list[tuple[float, float]] = []  # ahead, turned [m, rad]
+        self._from: Array | None = None
+        self._steps: list[tuple[float, float]] = []
+        self._ends = self._calm = math.inf
+
+    def push(self, stamp: float, command: float) -> None:
+        """Of a small move [m/s or rad/s], along its own axis."""
+        self._steps.append((stamp, command))
+
+    def stop(self, stamp: float, motors_stand: float) -> None:
+        """From `stamp` on zero is asked for; `motors_stand` [s]: when they have to."""
+        if not math.isfinite(self._ends):
+            self._ends, self._calm = stamp, motors_stand
 
     def see(self, stamp: float, pose: ArrayLike) -> None:
         """Where the chair is (3,), in any frame that does not move."""
-        if stamp < self._motors_stand:
-            return
         if self._from is None:
             self._from = np.array(pose, dtype=float)
-        moved = relative(self._from, pose)
-        self._times.append(stamp)
-        self._ways.append((float(moved[0]), float(moved[2])))
+        if stamp < self._ends + _LONGEST:
+            moved = relative(self._from, pose)
+            self._times.append(stamp)
+            self._ways.append((float(moved[0]), float(moved[2])))
+
+    def trace(self, axis: int) -> tuple[Array, Array, Demand] | None:
+        """Times (n,) and ways (n,) along this axis, and what was asked for; None: too short. How a chair was steered
+        until it stopped is not told, so its turning counts from when its motors have to stand."""
+        if not math.isfinite(self._ends):
+            return None
+        times, ways = np.array(self._times), np.array(self._ways).reshape(-1, 2)[:, axis]
+        steered = axis == 1 and not self._steps
+        of_use = times >= self._calm if steered else times >= times[:1]
+        if np.count_nonzero(of_use) < _FEWEST:
+            return None
+        return times[of_use], ways[of_use], Demand(self._ends, tuple(self._steps))
+
+
+@dataclass(frozen=True)
+class Belief:
+    """In how the chair rolls, after the stops so far."""
+
+    creeps: tuple[Creep, Creep] = (Creep(), Creep())  # ahead, turning
+    holds: Array | None = field(default=None, compare=False)  # how likely each of HOLDS is; None: no stop yet
+
+    def aged(self) -> Belief:
+        """Before another docking."""
+        return Belief((self.creeps[0].before(_CHANGES), self.creeps[1].before(_CHANGES)), self.holds)
+
+    def after(self, watch: RollWatch, delay: float, lags: tuple[float, float]) -> Belief:
+        """With one more stop of a chair that stands by now. `delay`, `lags` of both axes [s]: believed in."""
+        creeps, holds = list(self.creeps), likely_holds(self.holds)
+        for axis in (0, 1):
+            trace = watch.trace(axis)
+            if trace is None:
+                continue
+            known, noise = creeps[axis].before(_DRIFT), math.hypot(_NOISE[axis], _COARSE * _resolution(trace[1]))
+            creeps[axis], likely = fit(*trace, delay, lags[axis], known, holds, noise)
+            holds = creeps[axis].probability * likely + (1.0 - creeps[axis].probability) * holds
+        return self if tuple(creeps) == self.creeps else Belief((creeps[0], creeps[1]), holds)
 
     @property
-    def since(self) -> float:
-        """When the motors have to stand [s]."""
-        return self._motors_stand
-
-    @property
-    def motors_stand(self) -> bool:
-        """Whether they had to stand by the last cycle."""
-        return self._from is not None
-
-    def would_show(self, known: Roll) -> bool:
-        """Whether what is known would have shown: not where brakes held before the motors had to stand."""
-        return not known.seen or self.seen.seen or self._motors_stand - self._demand_ends < known.hold
-
-    @property
-    def seen(self) -> Roll:
-        """Of a chair that stands by now. A steady roll has done half of its way in half of its time, whatever comes
-        after it."""
-        if self._from is None:
+    def roll(self) -> Roll:
+        """What is to be reckoned with."""
+        if self.holds is None:
             return Roll()
-        times, ways = np.array(self._times), np.array(self._ways) / _SEEN
-        by = int(np.argmax(np.abs(ways[-1])))  # the one that shows best when it ended
-        if abs(ways[-1, by]) < 1.0:
-            return Roll()
-        share = ways[:, by] / ways[-1, by]
-        later = int(np.argmax(share >= 0.5))
-        around = slice(max(later - 1, 0), later + 1)
-        duration = max(2.0 * (float(np.interp(0.5, share[around], times[around])) - times[0]), 1e-3)
-        speeds = np.where(np.abs(ways[-1]) < 1.0, 0.0, ways[-1] * _SEEN) / duration
-        return Roll(float(speeds[0]), float(times[0] + duration - self._demand_ends), float(speeds[1]))
+        hold = float(self.holds @ HOLDS)
+        ahead, turning = (self._speed(axis, hold) for axis in (0, 1))
+        return Roll(ahead, hold, turning) if ahead or turning else Roll()
+
+    def _speed(self, axis: int, hold: float) -> float:
+        creep = self.creeps[axis]
+        shows = creep.probability > _LIKELY and abs(creep.mean) * hold >= _SEEN[axis]
+        return creep.probability * creep.mean if shows else 0.0
+
+
+def _resolution(ways: Array) -> float:
+    """Least difference [m or rad] between two that differ."""
+    steps = np.diff(np.unique(np.round(ways, 7)))
+    return float(steps.min()) if len(steps) else 0.0

@@ -15,14 +15,16 @@ from seater_nmpc.sequence.rest.roll import Roll
 Array = NDArray[np.float64]
 
 MOST = 2  # times in an attempt
-_BEFORE, _WAY = 0.0045, 0.012  # [m] before the dock, and way to drive for it, from which on it is worth while
+_BEFORE, _WAY = 0.0045, 0.008  # [m] before the dock, and way to drive for it, from which on it is worth while
 _TURNS = 0.004  # [rad] while it rolls, which only small moves reckon with
 
 
-def next_overshoot(last: float, roll: Roll) -> float:
-    """[m] of a stop after a short way, given how far beside its end the last stop was: that one, after a long way, was
-    faster, and ran on before the chair rolled back."""
-    return 0.5 * (last + roll.way()) if roll.seen else last
+def next_overshoot(last: float | None, before: float, roll: Roll) -> float:
+    """[m] of a stop after a short way, given how far beside its end the `last` stop was (None: it had none), or the one
+    `before` it. A stop after a long way was faster, and ran on before the chair rolled back."""
+    if roll.seen:
+        return roll.way() if last is None else 0.5 * (last + roll.way())
+    return before if last is None else last
 
 
 def has_way_on(error: Array, overshoot: float, roll: Roll, parameters: SequenceParameters) -> bool:
