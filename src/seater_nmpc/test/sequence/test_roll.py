@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from conftest import seldom
 
+from seater_nmpc.sequence.rest.creep import Creep, Demand, fit, likely_holds
 from seater_nmpc.sequence.rest.roll import Belief, Roll, RollWatch
 
 DELAY, LAG = 0.2, (0.2, 0.2)  # [s] believed in
@@ -86,6 +87,24 @@ def test_it_is_unlearned_where_it_rolls_no_more() -> None:
     assert again.roll.way() == pytest.approx(-0.018, abs=0.002)
     level = Chair()
     assert abs(level.stops(level.stops(again, 0.07), 0.07).roll.way()) < 0.003
+
+
+def test_what_shows_nothing_leaves_what_is_known() -> None:
+    """Odometry that is of no use."""
+    times, known = np.arange(0.0, 2.0, 0.05), Creep(-0.02, 0.003, 0.9)
+    found, holds = fit(times, np.zeros(40), Demand(0.0), DELAY, LAG[0], known, likely_holds(None), noise=10.0)
+    assert (found.mean, found.sd, found.probability) == pytest.approx((-0.02, 0.003, 0.9), rel=0.01)
+    assert holds == pytest.approx(likely_holds(None), rel=0.01)
+    assert Belief((known, Creep()), holds).roll.speed == pytest.approx(-0.018)
+    assert Belief((replace(known, probability=0.4), Creep()), holds).roll == Roll()
+
+
+def test_a_chair_that_was_steered_until_it_stopped_does_not_turn_by_itself() -> None:
+    watch = RollWatch()
+    watch.stop(0.0, DELAY + 0.7)
+    for now in np.arange(0.0, 2.5, 0.05):
+        watch.see(float(now), [0.0, 0.0, 0.03 * math.sin(min(float(now), 0.8))])
+    assert Belief().after(watch, DELAY, LAG).roll == Roll()
 
 
 def test_a_trace_that_is_too_short_says_nothing() -> None:
