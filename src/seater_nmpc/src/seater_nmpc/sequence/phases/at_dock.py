@@ -17,16 +17,13 @@ from seater_nmpc.sequence.rest.after_effects import AfterEffects
 from seater_nmpc.sequence.rest.correction import Verdict as Correction
 from seater_nmpc.sequence.rest.correction import is_off, judge, standing_dock, surely
 from seater_nmpc.sequence.rest.fine_move import FineMove
-from seater_nmpc.sequence.rest.roll import Belief, Roll, RollWatch
+from seater_nmpc.sequence.rest.stops import Stops
 from seater_nmpc.sequence.rest.verification import Verdict, Verification, within
 
 Array = NDArray[np.float64]
 
 _UNSEEN_IMAGES = 6  # times between two images
-_ARRIVES_OFF = 0.004  # [m] from which on the next docking allows for it
 _OVERSHOT = 0.008  # [m] beside where a stop was to end, from which on the next one allows for it
-_LAGS, _DOUBT = 2.5, 0.2  # times the lag, and [s], after the delay, until the motors have to stand
-_LONGEST_LAG = 0.3  # [s] that is waited for: a roll is learned as lag, too
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
 _LEARNT = 4  # moves after which what the chair makes of them should be known
 _OPENED = 0.5  # [s] without contact: no mere bounce of it
@@ -41,23 +38,17 @@ class AtDock:
 
     def __init__(self, context: Context) -> None:
         self._context = context
-        self._phase, self._belief, self._roll = context.goal.phase, Belief(), RollWatch()
+        self._phase, self._stops = context.goal.phase, Stops()
         self._driven_on = self._moves = 0
-        self._arrival: float | None = None  # [m] beside where it was to end that a docking's first stop does; mean
-        self._off: float | None = None  # [m] beside where the last stop was to end
         self.restart(context.goal.phase)
 
     def restart(self, phase: Phase) -> None:
         """This phase begins; moves are counted, and learned from, until the chair leaves the dock."""
         self._verification: Verification | None = None
         self._begun_by, self._phase = self._phase, phase
-        self._motors_stand: float | None = None  # [s] from when on they have to, in STOPPING
-        if phase is not Phase.STOPPING or self._begun_by is not Phase.CORRECTING:
-            self._roll = RollWatch()
-        if phase is Phase.WAITING_FOR_DOCK:  # the floor is the same as the last time, the load need not be
-            self._belief = self._belief.aged()
-            off = self._rolls.way() if self._arrival is None else self._arrival
-            self._context.goal.overshoot = off if abs(off) > _ARRIVES_OFF else 0.0
+        self._stops.restart(moved=phase is Phase.STOPPING and self._begun_by is Phase.CORRECTING)
+        if phase is Phase.WAITING_FOR_DOCK:
+            self._context.goal.overshoot = self._stops.begin_docking()
         self._closed = self._context.goal.now  # the contact, when it was so last
         if phase not in (Phase.STOPPING, Phase.CORRECTING, Phase.VERIFY):
             self._driven_on = self._driven_on if phase is Phase.FINAL else 0
@@ -70,7 +61,7 @@ class AtDock:
         """STOPPING: stand until enough images were taken at rest, then decide what is to be done."""
         c, p = self._context, self._context.parameters
         c.look(chair)
-        motors_stand = self._watch_roll(chair)
+        motors_stand = self._stops.stand(chair, c.goal.deadlines.entered, c.controller.history)
         # Before the motors stand, one that they hold against its roll only seems to.
         if not c.standstill.has_stood(chair.stamp, c.measured(chair)) or chair.stamp < motors_stand:
             return STANDING
@@ -80,7 +71,7 @@ class AtDock:
             late = chair.stamp - since > max(_UNSEEN, _UNSEEN_IMAGES * c.observer.images.period)
             return Phase.VERIFY if late else STANDING
         c.goal.error = inverse(standing_dock(fresh))
-        self._learn_roll(float(c.goal.error[0]))
+        self._learn(float(c.goal.error[0]))
         return self._decide(c.goal.error)
 
     def correct(self, chair: Instant) -> Asked:
@@ -91,8 +82,7 @@ class AtDock:
         asked = self._fine_move.speeds()
         if asked is None:
             return Phase.STOPPING
-        self._roll.push(chair.stamp, asked[self._fine_move.turning])
-        self._roll.see(chair.stamp, chair.pose)
+        self._stops.push(chair, asked[self._fine_move.turning])
         return c.controller.move(chair.stamp, c.speeds(chair), *asked)
 
     def verify(self, chair: Instant) -> Asked:
@@ -134,33 +124,15 @@ class AtDock:
             raise GoalEnd(ResultCode.SUCCESS, Verdict.DOCKED.value)
         return replace(STANDING, text="docked, watches the contact")
 
-    def _watch_roll(self, chair: Instant) -> float:
-        """When the motors have to stand [s]."""
-        if self._motors_stand is None:
-            history = self._context.controller.history
-            runs_on = _LAGS * min(history.drive.lag_v, _LONGEST_LAG) + _DOUBT
-            self._motors_stand = self._context.goal.deadlines.entered + history.delay + runs_on
-        self._roll.stop(chair.stamp, self._motors_stand)
-        self._roll.see(chair.stamp, chair.pose)
-        return self._motors_stand
-
-    def _learn_roll(self, x: float) -> None:
-        """Where the chair stands, `x` [m] in the dock's frame, after a stop that was to end elsewhere, and how it came
-        there: a stop that was timed badly ends elsewhere, too."""
-        goal, history = self._context.goal, self._context.controller.history
-        self._off = None if goal.expected_rest is None else x - goal.expected_rest
-        if self._off is not None:
-            goal.overshoot = self._off if abs(self._off) > _OVERSHOT else 0.0
-            if self._begun_by is Phase.FINAL and not (goal.retries or self._driven_on):
-                self._arrival = self._off if self._arrival is None else 0.5 * (self._arrival + self._off)
+    def _learn(self, x: float) -> None:
+        """Where the chair stands, `x` [m] in the dock's frame, after a stop that was to end elsewhere."""
+        goal, after_final = self._context.goal, self._begun_by is Phase.FINAL
+        self._stops.ended(x, goal.expected_rest, first=after_final and not (goal.retries or self._driven_on))
         goal.expected_rest = None
-        if self._begun_by in (Phase.FINAL, Phase.CORRECTING):
-            drive = history.drive
-            self._belief = self._belief.after(self._roll, history.delay, (drive.lag_v, drive.lag_omega))
-
-    @property
-    def _rolls(self) -> Roll:
-        return self._belief.roll
+        if self._stops.off is not None:
+            goal.overshoot = self._stops.off if abs(self._stops.off) > _OVERSHOT else 0.0
+        if after_final or self._begun_by is Phase.CORRECTING:
+            self._stops.learn_roll(self._context.controller.history)
 
     def _needs_move(self) -> bool:
         """Whether verification shows, beyond doubt, what the few images before it did not."""
@@ -182,7 +154,7 @@ class AtDock:
         if verdict is Correction.STAY or (verdict is Correction.AGAIN and last and within(error, c.dock.tolerance)):
             return Phase.VERIFY
         if verdict is Correction.AGAIN:
-            why = self._rolls.in_words + self._after_effects.in_words
+            why = self._stops.roll.in_words + self._after_effects.in_words
             return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock" + why)
         self._moves, self._moved_from = self._moves + 1, error
         return Phase.CORRECTING
@@ -190,10 +162,10 @@ class AtDock:
     def _drives_on(self, error: Array) -> bool:
         """Whether it drives on to the dock before which it stands; if so, its next stop allows for its last one."""
         goal = self._context.goal
-        overshoot = way_on.next_overshoot(self._off, goal.overshoot, self._rolls)
+        overshoot = way_on.next_overshoot(self._stops.off, goal.overshoot, self._stops.roll)
         if self._driven_on >= way_on.MOST:
             return False
-        if not way_on.has_way_on(error, overshoot, self._rolls, self._context.parameters):
+        if not way_on.has_way_on(error, overshoot, self._stops.roll, self._context.parameters):
             return False
         self._driven_on, goal.overshoot = self._driven_on + 1, overshoot
         return True
@@ -201,7 +173,7 @@ class AtDock:
     def _choose(self, error: Array) -> Correction:
         """What is to be done; `_fine_move` is the move, if one is."""
         p, before, effects = self._context.parameters, self._fine_move, self._after_effects
-        effects.roll = self._rolls
+        effects.roll = self._stops.roll
         if before is not None and self._moved_from is not None:
             effects.learn(before.turning, self._moved_from, error)
             self._moved_from = None
@@ -228,4 +200,4 @@ class AtDock:
         p = c.parameters
         off = abs(error[2]) > p.release_heading if turning else abs(error[0]) > p.release_position
         must = bool(off) and self._moves < _LEARNT
-        return FineMove(error, turning, drive, limits, period, before, roll=self._rolls, leave=leave, must=must)
+        return FineMove(error, turning, drive, limits, period, before, roll=self._stops.roll, leave=leave, must=must)

@@ -1,0 +1,65 @@
+"""What the stops at one dock show, from docking to docking: how the chair rolls, and how far beside its end it comes to
+rest."""
+
+from __future__ import annotations
+
+from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.prediction import CommandHistory
+from seater_nmpc.sequence.rest.roll import Belief, Roll, RollWatch
+
+_LAGS, _DOUBT = 2.5, 0.2  # times the lag, and [s], after the delay, until the motors have to stand
+_LONGEST_LAG = 0.3  # [s] that is waited for: a roll is learned as lag, too
+_ARRIVES_OFF = 0.004  # [m] from which on the next docking allows for it
+
+
+class Stops:
+    """`restart` it for each stop, or for the small move before it."""
+
+    def __init__(self) -> None:
+        self._belief, self._watch = Belief(), RollWatch()
+        self._motors_stand: float | None = None  # [s] from when on they have to
+        self._arrival: float | None = None  # [m] beside where it was to end that a docking's first stop does; mean
+        self.off: float | None = None  # [m] the same of the last stop; None: it had no end that was known
+
+    @property
+    def roll(self) -> Roll:
+        """That is reckoned with."""
+        return self._belief.roll
+
+    def begin_docking(self) -> float:
+        """Where its first stop will end, beside where it is to, as the last dockings had it [m]. The floor is the same
+        as the last time, the load need not be."""
+        self._belief = self._belief.aged()
+        off = self.roll.way() if self._arrival is None else self._arrival
+        return off if abs(off) > _ARRIVES_OFF else 0.0
+
+    def restart(self, *, moved: bool) -> None:
+        """Another stop, or small move, begins; `moved`: the stop of the small move that has been watched."""
+        self._motors_stand = None
+        if not moved:
+            self._watch = RollWatch()
+
+    def push(self, chair: Instant, command: float) -> None:
+        """A cycle of a small move [m/s or rad/s]."""
+        self._watch.push(chair.stamp, command)
+        self._watch.see(chair.stamp, chair.pose)
+
+    def stand(self, chair: Instant, since: float, history: CommandHistory) -> float:
+        """A cycle in which zero is asked for, as it is `since` then [s]; returns when the motors have to stand [s]."""
+        if self._motors_stand is None:
+            self._motors_stand = since + history.delay + _LAGS * min(history.drive.lag_v, _LONGEST_LAG) + _DOUBT
+        self._watch.stop(chair.stamp, self._motors_stand)
+        self._watch.see(chair.stamp, chair.pose)
+        return self._motors_stand
+
+    def ended(self, x: float, expected: float | None, *, first: bool) -> None:
+        """The chair stands at `x` [m] in the dock's frame, where it was `expected` to end, None: nowhere. `first`: it
+        is the first stop of a docking."""
+        self.off = None if expected is None else x - expected
+        if first and self.off is not None:
+            self._arrival = self.off if self._arrival is None else 0.5 * (self._arrival + self.off)
+
+    def learn_roll(self, history: CommandHistory) -> None:
+        """From how it came to stand: a stop that was timed badly ends elsewhere, too."""
+        drive = history.drive
+        self._belief = self._belief.after(self._watch, history.delay, (drive.lag_v, drive.lag_omega))
