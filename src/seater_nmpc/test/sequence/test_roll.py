@@ -68,7 +68,7 @@ class Slope:
         self.speed, self.turning, self.idle = speed, turning, math.inf
 
     def moves(self, world, v: float, omega: float) -> tuple[float, float]:
-        self.idle = 0.0 if v or omega else self.idle + 0.01
+        self.idle = 0.0 if v or omega else self.idle + world.period
         return (v + self.speed, omega + self.turning) if self.idle < 1.3 else (v, omega)
 
 
