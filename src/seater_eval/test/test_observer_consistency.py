@@ -167,13 +167,13 @@ def test_a_wrong_covariance_is_noticed(setup: Setup, sensor: DockSensor) -> None
             assert_within(mean_errors(setup, sensor, wrong, 20, bias=False), 0.999, 1.0, 20)
 
 
-def test_nees_with_what_calibration_leaves(setup: Setup, sensor: DockSensor) -> None:
+@pytest.mark.parametrize("runs", [30, pytest.param(50, marks=pytest.mark.extensive)])
+def test_nees_with_what_calibration_leaves(setup: Setup, sensor: DockSensor, runs: int) -> None:
     """The parameters of controller.yaml as they are; in each run the markers are displaced as these say.
 
     The displacement is the same in all slices of a run, so they are in or out of their bounds nearly together: the last
     one is judged by the 95 % bounds, all by the 99.9 % bounds.
     """
-    runs = 30
     means = mean_errors(setup, sensor, setup.parameters.observer, runs, bias=True)
     assert_within(means[RESTING : RESTING + 1], 0.95, 1.0, runs)
     assert_within(means, 0.999, 1.0, runs)
