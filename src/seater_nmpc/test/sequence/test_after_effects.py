@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from conftest import FINE
 
 from seater_nmpc.sequence.rest.after_effects import AfterEffects
 
@@ -66,7 +67,7 @@ class Castors:
 
 
 def moves_until_docked(make_world, rate: float) -> tuple[int, float]:
-    world = make_world((-0.5, 0.0, 1.5), sequence={"hold_heading": 0.004, "release_heading": 0.006})
+    world = make_world((-0.5, 0.0, 1.5), sequence={"hold_heading": 0.004, "release_heading": 0.006}, **FINE)
     world.moves = Castors(rate).moves
     world.tick()
     world.sequence.start_dock(world.now)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from conftest import FINE
 
 _NEAR = -0.14  # [m] of the dock's axis
 
@@ -32,7 +33,7 @@ def with_eight_images_a_second(world):
 
 def test_no_more_is_driven_near_the_dock_than_can_be_mended(make_world) -> None:
     way = 0.008
-    world = with_eight_images_a_second(make_world((-0.7, 0.01, 0.0), sequence={"arrival_way": way}))
+    world = with_eight_images_a_second(make_world((-0.7, 0.01, 0.0), sequence={"arrival_way": way}, **FINE))
     reaction, _, driven = arrive(world)
     assert reaction > 0.1
     assert max(v for x, v in driven if x > _NEAR) * reaction <= way + 0.001
@@ -40,6 +41,6 @@ def test_no_more_is_driven_near_the_dock_than_can_be_mended(make_world) -> None:
 
 
 def test_a_chair_that_reacts_at_once_is_not_slowed_down(make_world) -> None:
-    _, usual, _ = arrive(make_world((-0.7, 0.01, 0.0)))
-    reaction, free, _ = arrive(make_world((-0.7, 0.01, 0.0), sequence={"arrival_way": 10.0}))
+    _, usual, _ = arrive(make_world((-0.7, 0.01, 0.0), **FINE))
+    reaction, free, _ = arrive(make_world((-0.7, 0.01, 0.0), sequence={"arrival_way": 10.0}, **FINE))
     assert reaction < 0.04 and usual == pytest.approx(free, abs=0.05)

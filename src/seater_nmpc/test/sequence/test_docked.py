@@ -28,7 +28,7 @@ class Idle:
 
     def stand(self, seconds: float = 1.0):
         for _ in range(round(seconds / 0.05)):
-            for _ in range(5):
+            for _ in range(2):
                 self.world.tick()
             state = self.watch.update(self.world.now, self.contact, goal=self.goal)
         return state

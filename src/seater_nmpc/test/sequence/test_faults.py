@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import T_ODOM_DOCK, World, observation, seldom
+from conftest import FINE, T_ODOM_DOCK, World, observation, seldom
 
 from seater_common.geometry import pose_matrix
 from seater_common.se2 import arc_step, compose, inverse, relative
@@ -56,7 +56,7 @@ class Fault:
     def wheels_turn(self, world, odometry):
         if not self.acts:
             return odometry
-        self.wheels = arc_step(self.wheels, world.v, world.omega, 0.01)
+        self.wheels = arc_step(self.wheels, world.v, world.omega, world.period)
         return replace(odometry, pose=self.wheels)
 
     def wheels_stand(self, world, odometry):
@@ -83,7 +83,7 @@ class Fault:
 
 def driving(make_world, start=(-2.5, 0.1, 0.0), until=-2.0, **settings) -> tuple[World, Fault]:
     """A chair on its way past x = `until`."""
-    world = make_world(start, **settings)
+    world = make_world(start, **FINE, **settings)
     world.tick()
     world.sequence.start_dock(world.now)
     world.run(20.0, until=lambda step: world.truth[0] > until)

@@ -123,7 +123,7 @@ class Slope:
         self.moved = (0.0, 0.0)
 
     def moves(self, world, v: float, omega: float) -> tuple[float, float]:
-        self.idle = 0.0 if v or omega else self.idle + 0.01
+        self.idle = 0.0 if v or omega else self.idle + world.period
         self.moved = (v + self.speed, omega + self.turning) if self.idle < 1.3 else (v, omega)
         return self.moved
 

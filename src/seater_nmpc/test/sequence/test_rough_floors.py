@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import T_ODOM_DOCK, seldom
+from conftest import FINE, T_ODOM_DOCK, seldom
 
 from seater_common.geometry import Bay, Chair, Dock, Marker
 from seater_common.se2 import arc_step, compose, inverse
@@ -30,7 +30,7 @@ class WetSpot:
     def measures(self, world, odometry):
         if self.wheels is None:
             self.wheels = compose(T_ODOM_DOCK, world.truth)
-        self.wheels = arc_step(self.wheels, *self.commanded, 0.01)
+        self.wheels = arc_step(self.wheels, *self.commanded, world.period)
         return replace(odometry, pose=self.wheels, v=self.commanded[0], omega=self.commanded[1])
 
 
@@ -40,7 +40,7 @@ class WetSpot:
 def test_a_wheel_that_spins_in_front_of_the_bay(make_world, at: float, turn: float) -> None:
     """It turned 17 deg against a wall, as no filter believed the images any more. Where it is too wet, the
     docking ends; no wall is touched."""
-    world = make_world((-2.0, 0.1, 0.0), seen=lambda w: round(w.now * 100) % 12 == 0)  # 8 Hz
+    world = make_world((-2.0, 0.1, 0.0), seen=lambda w: round(w.now * 100) % 12 == 0, **FINE)  # 8 Hz
     spot = WetSpot(at, turn)
     world.moves, world.measures = spot.moves, spot.measures
     world.tick()
