@@ -149,14 +149,27 @@ class Installation:
     def restart(self) -> None:
         """Begin anew, with what is known of dockings before."""
         self.begun += 1
-        self._elsewhere = 0  # images in a row that the observer's dock is another one
         self._last: Instant | None = None
-        self._dock: Array | None = None  # where the observer has had it at the last image
         self._used = 0
-        self._turned_to, self._headings = 0.0, (0.0, 0.0)  # [rad]; now, least and most, from the first image on
+        self._headings = (0.0, 0.0)  # [rad] least and most, from the first image on
+        self._evidence = np.zeros(len(_SLIPS))
+        self._follow_anew(self.known.values, self.known.covariances)
+
+    def interrupt(self) -> None:
+        """The chair may have been moved anyhow: keep what was found, and follow the dock anew."""
+        if self._last is not None:
+            found = [self._found(i) for i in range(len(_SLIPS))]
+            self._follow_anew(np.stack([values for values, _ in found]), np.stack([P for _, P in found]))
+
+    def _follow_anew(self, values: Array, covariances: Array) -> None:
+        """With these (k, 4) and (k, 4, 4) of NAMES, from the next image on."""
+        self._from = values, covariances
+        self._elsewhere = 0  # images in a row that the observer's dock is another one
+        self._last = None
+        self._dock: Array | None = None  # where the observer has had it at the last image
+        self._turned_to = 0.0  # [rad] now
         self._mean: list[Array] = []
         self._covariance: list[Array] = []
-        self._evidence = np.zeros(len(_SLIPS))
         self._castors = Castors()
 
     def add(self, chair: Instant, offered: list[Measurement], known: Array) -> None:
@@ -278,7 +291,7 @@ class Installation:
         return InstallationError(values, noise, B * values, B @ (P + model) @ B.T, dockings)
 
     def _begin(self, chair: Instant, first: Measurement) -> None:
-        for drift, values, known in zip(self._drifts, self.known.values, self.known.covariances, strict=True):
+        for drift, values, known in zip(self._drifts, *self._from, strict=True):
             errors, spread = drift.initial_errors()
             covariance = np.zeros((_ALL, _ALL))
             covariance[3:SIZE, 3:SIZE] = spread + self._constant

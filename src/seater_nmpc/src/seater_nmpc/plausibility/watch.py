@@ -48,18 +48,29 @@ class Watch:
         self._installation = Installation(chair.camera, dock, observer.parameters)
         self._begun, self._compared = 0.0, -np.inf  # [s] begin of the goal; newest image that was compared
         self._suspected: deque[bool] = deque(maxlen=_CONFIRMED[1])  # whether the last images contradict the odometry
-        self._acquired = 0  # how often the dock has been
+        self._acquired, self._known = 0, False  # how often the dock has been, and whether it was at the last image
         self._jump: Jump | None = None  # the newest one that was looked at
         self._shift: Shift | None = None  # how far the dock has jumped in this goal
 
     def begin(self, now: float) -> None:
         """A goal begins at message time `now` [s]."""
-        self._begun = now
-        self._suspected.clear()
         self._jump, self._shift = self._observer.images.jump, None
-        self._response.restart(now)
         self._markers.restart()
         self._installation.restart()
+        self._look_anew(now)
+
+    def resume(self, now: float) -> None:
+        """A goal goes on after a pause, at message time `now` [s], wherever whoever has driven the chair to: what was
+        found of the installation still holds."""
+        self._installation.interrupt()
+        self._look_anew(now)
+
+    def _look_anew(self, now: float) -> None:
+        self._begun = now
+        self._suspected.clear()
+        self._response.restart(now)
+        self._acquired = self._observer.images.counts[Outcome.ACQUIRED]
+        self._known = self._observer.estimate() is not None
 
     def see(self, hypotheses: Sequence[Hypothesis], sights: Sequence[MarkerSight]) -> None:
         """What an image shows: poses of the dock, and single markers where they are known."""
@@ -176,9 +187,9 @@ class Watch:
         if not shown or shown[-1][0].stamp <= self._compared:
             return None
         known, acquired = self._observer.estimate(), self._observer.images.counts[Outcome.ACQUIRED]
-        if acquired > self._acquired:  # what came before was measured against another pose
+        if acquired > self._acquired and self._known:  # what came before was measured against another pose
             self._installation.restart()
-        self._acquired = acquired
+        self._acquired, self._known = acquired, known is not None
         for chair, offered in shown if known is not None else []:
             if known is not None and chair.stamp > self._compared:
                 self._installation.add(chair, offered, known.pose)

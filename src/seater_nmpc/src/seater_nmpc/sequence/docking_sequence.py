@@ -179,7 +179,7 @@ class DockingSequence:
         if self._goal.phase is not Phase.UNDOCKING and self._unseen:
             self.observer.reset(*self._prior)
         self._phases.resume(now, paused)
-        self._watch.begin(now)
+        self._watch.resume(now)
 
     def add_odometry(self, odometry: Odometry) -> bool:
         """Take an odometry message; false when it was refused and counted."""

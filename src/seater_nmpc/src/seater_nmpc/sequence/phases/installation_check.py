@@ -40,6 +40,7 @@ class InstallationCheck:
         """A goal begins."""
         self._turned: list[bool] = []  # at which places, far or near, room or not
         self._begun = 0
+        self._forgotten = False  # what a turn has shown
         self.restart()
 
     def restart(self) -> None:
@@ -60,6 +61,7 @@ class InstallationCheck:
         if c.goal.now > c.goal.deadlines.half:
             return False
         if c.watch.begun != self._begun:  # the dock was another one, or lost: what was turned before shows nothing
+            self._forgotten = self._forgotten or turned > 0
             self._turned, self._begun, turned = [], c.watch.begun, 0
         # The contact says it better.
         known = c.require_contact or c.watch.doubt(turned=turned > 0) <= p.installation_doubt
@@ -68,7 +70,9 @@ class InstallationCheck:
             return False
         begins_here = turned == 0 and self._is_far(error) and self._has_room(error)
         if self._on_the_way and (turned == 0 or turned > _BOTH):  # nowhere that it would have to back out far to
-            return begins_here
+            return begins_here or (straight and turned == 0 and self._forgotten)
+        if self._on_the_way and not self._turned[0]:  # what the turn far away had shown is forgotten: the near one did
+            return False
         return straight or begins_here
 
     @property
