@@ -18,7 +18,8 @@ from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.prediction import CommandHistory
 from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Contradiction, Kind
-from seater_nmpc.plausibility.image_motion import Shown, contradiction, speeds_by_images
+from seater_nmpc.plausibility.image_motion import CLOCKS, Shown, contradiction, speeds_by_images
+from seater_nmpc.plausibility.image_turn import turn_contradicts
 from seater_nmpc.plausibility.installation import KEYS, NAMES, Installation, Knowledge
 from seater_nmpc.plausibility.jump import Shift, sudden
 from seater_nmpc.plausibility.markers import Markers
@@ -28,6 +29,7 @@ Array = NDArray[np.float64]
 
 _SUSPECT = 0.5  # of the certainty that ends a docking: none of 50 chairs without a fault, 17 of 49 that stood far off
 _CONFIRMED = (2, 3)  # so many of the last images must contradict the odometry: two wrong ones at once may do it once
+_RECENT, _LATEST = 0.1, 0.4  # [s] age of an image that decides what a chair that stands is; longest wait for it
 
 
 class Watch:
@@ -49,6 +51,7 @@ class Watch:
         self._begun, self._compared = 0.0, -np.inf  # [s] begin of the goal; newest image that was compared
         self._suspected: deque[bool] = deque(maxlen=_CONFIRMED[1])  # whether the last images contradict the odometry
         self._acquired, self._known = 0, False  # how often the dock has been, and whether it was at the last image
+        self._blocked: tuple[float, Contradiction] | None = None  # since when [s] it stands though asked to drive
         self._jump: Jump | None = None  # the newest one that was looked at
         self._shift: Shift | None = None  # how far the dock has jumped in this goal
 
@@ -68,6 +71,7 @@ class Watch:
     def _look_anew(self, now: float) -> None:
         self._begun = now
         self._suspected.clear()
+        self._blocked = None
         self._response.restart(now)
         self._acquired = self._observer.images.counts[Outcome.ACQUIRED]
         self._known = self._observer.estimate() is not None
@@ -85,8 +89,13 @@ class Watch:
         self._note_jump()
         found = self._motion_in_images() or self._response.check(now, self._observer.odometry)
         if found is not None and found.kind is Kind.BLOCKED:
-            found = self._odometry_stands(now) or found
-        return found or self._place() or self._markers.check()
+            self._blocked, found = self._blocked or (now, found), None
+        return found or self._stands(now) or self._place() or self._markers.check()
+
+    @property
+    def waits(self) -> bool:
+        """Whether the chair has to stand until images show which it is, blocked or its odometry frozen."""
+        return self._blocked is not None
 
     def final(self) -> Contradiction | None:
         """Of a chair that stands docked by its images: whether the installation is surely so wrong that it does not."""
@@ -196,6 +205,7 @@ class Watch:
         self._compared = shown[-1][0].stamp
         speeds = speeds_by_images(shown, self._middle)
         found = contradiction(speeds, self._parameters) if speeds is not None else None
+        found = found or turn_contradicts(shown, self._middle, self._parameters)
         self._suspected.append(found is not None)
         return self._jumping() or found if sum(self._suspected) >= _CONFIRMED[0] else None
 
@@ -205,12 +215,22 @@ class Watch:
         shift = None if doubted is None else sudden(doubted, self._parameters)
         return None if shift is None else Contradiction(Kind.INCONSISTENT, shift.text)
 
-    def _odometry_stands(self, now: float) -> Contradiction | None:
-        """Whether a chair that stands by its odometry moves by the few images of this time."""
-        recent = [entry for entry in self._shown() if entry[0].stamp >= now - self._parameters.blocked_time]
-        speeds = speeds_by_images(recent, self._middle, fewest=3)
+    def _stands(self, now: float) -> Contradiction | None:
+        """Whether a chair that stands by its odometry, though asked to drive, moves by the images of this time: late
+        ones are waited for."""
+        if self._blocked is None:
+            return None
+        since, found = self._blocked
+        stood = since - self._parameters.blocked_time
+        shown = self._shown()
         strict = replace(self._parameters, image_share=0.0)  # tyres that stand do not slip
-        return contradiction(speeds, strict) if speeds is not None else None
+        for begin in (stood, stood + CLOCKS):  # the second: as if it had stood in all of them
+            speeds = speeds_by_images([entry for entry in shown if entry[0].stamp >= begin], self._middle, fewest=3)
+            moves = None if speeds is None else contradiction(speeds, strict)
+            if moves is not None:
+                return moves
+        decides = bool(shown) and shown[-1][0].stamp >= since - _RECENT
+        return found if decides or now - since >= _LATEST else None
 
     def _place(self) -> Contradiction | None:
         elsewhere = self._observer.elsewhere
