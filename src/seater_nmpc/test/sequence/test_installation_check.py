@@ -113,6 +113,30 @@ def test_a_chair_whose_camera_sits_elsewhere_does_not_go_in(make_world) -> None:
     assert "check the camera's y" in result.text and "FINAL" not in world.phases
 
 
+@pytest.mark.parametrize("share", [0.045, -0.045])
+def test_a_chair_that_sees_the_walls_elsewhere_does_not_drive_in_between_them(make_world, share) -> None:
+    """The focal length is told too long, so the dock seems farther away: other chairs came to touch the corners of the
+    bay. No turn shows it here; the way ahead does."""
+    world = make_world((-1.9, -0.6, 0.0))
+    front, z = world.dock.front, world.dock.markers[0].position[2]
+    middle, along = np.array([*front[:2], z]), np.array([-math.sin(front[2]), math.cos(front[2]), 0.0])
+
+    def shows(world, found):
+        for seen in found:
+            T = seen.T_optical_dock
+            (x, _, depth), there = T[:3, :3] @ along, T[:3, :3] @ middle + T[:3, 3]
+            turn = math.atan2((1.0 + share) * depth, x) - math.atan2(depth, x)
+            c, s = math.cos(turn), math.sin(turn)
+            T[:3, :3] = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]]) @ T[:3, :3]
+            T[:3, 3] = there * [1.0, 1.0, 1.0 + share] - T[:3, :3] @ middle
+        return found
+
+    world.shows = shows
+    result = begin(world).run(60.0).result
+    assert result.code is ResultCode.INCONSISTENT and "in front of the bay" in result.text, result
+    assert "check focal length" in result.text and world.truth[0] < -0.6 and world.smallest_clearance > 0.05
+
+
 def test_too_little_is_known_without_room_to_turn(make_world, quick_controller) -> None:
     """A post on each side: it goes straight in without a turn, and does not claim to be docked."""
     posts = [np.array([[-0.9, y], [-0.8, y], [-0.8, y + 0.1], [-0.9, y + 0.1]]) for y in (-0.65, 0.55)]

@@ -73,6 +73,7 @@ _STAYS = 0.38
 # with yaw or focal length shows straight ahead.
 _STRAIGHT, _STAYS_STRAIGHT = 0.3, 0.6
 _PLACES = (0, 1)  # indices into NAMES
+_DOCKED = np.zeros(3)  # the dock in base_link, of a docked chair
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,7 @@ class InstallationError:
 
     values: Array  # (4,) of NAMES
     noise: Array  # (4, 4) covariance that these values have where the installation is right
-    effects: Array  # (3, 4) of each on where the docked chair stands: x, y [m], heading [rad]
+    effects: Array  # (3, 4) of each on where the docked chair stands, or the dock is: x, y [m], heading [rad]
     spread: Array  # (3, 3) covariance of that by what is still unknown
     dockings: int = 0  # before this one
 
@@ -231,12 +232,17 @@ class Installation:
         values: Array = np.stack([one for one, _ in found])
         self.known = Knowledge(dockings, values, np.stack([P for _, P in found]) + np.diag(_FADES**2))
 
-    def error(self) -> InstallationError | None:
+    def error(self, dock: Array = _DOCKED) -> InstallationError | None:
         """By the filter that accuses least, of those that explain the images about as well as the likeliest one; None
-        before there is one, and where the odometry's heading drifts with time."""
+        before there is one, and where the odometry's heading drifts with time. Effects: on a dock (3,) that is there in
+        base_link."""
         if self._best is None:
             return None
-        return self._mildest([self._found(i) for i in range(len(_SLIPS))], self.known.dockings)
+        return self._mildest([self._found(i) for i in range(len(_SLIPS))], self.known.dockings, dock)
+
+    def error_ahead(self, dock: Array) -> InstallationError | None:
+        """The same on the way there; None before enough images were used."""
+        return self.error(dock) if self._used >= _FEWEST else None
 
     def likeliest(self) -> InstallationError | None:
         """By the filter that explains the images best: before a goal has driven far, all explain them, and the mildest
@@ -274,10 +280,10 @@ class Installation:
         shift = values - known.values[i]
         return float(shift @ np.linalg.solve(known.covariances[i] + P + np.diag(_MODEL**2), shift)) > _CHANGED
 
-    def _mildest(self, found: Sequence[tuple[Array, Array]], dockings: int) -> InstallationError:
+    def _mildest(self, found: Sequence[tuple[Array, Array]], dockings: int, dock: Array = _DOCKED) -> InstallationError:
         """`found`: values and covariance by each filter."""
         plausible = np.flatnonzero(self._evidence >= self._evidence.max() - _AS_WELL)
-        errors = [self._error_by(*one, dockings) for one in found]
+        errors = [self._error_by(*one, dockings, dock) for one in found]
         best = min(map(int, plausible), key=lambda i: errors[i].certainty)
         slipping = errors[min(best + 1, len(errors) - 1)]
         straight = self._headings[1] - self._headings[0] < _STRAIGHT and errors[best].suspect in _PLACES
@@ -285,8 +291,8 @@ class Installation:
         vanishes = slipping.certainty < stays  # with more slip: then it may be slip
         return slipping if vanishes and dockings + 1 < _SERIES else errors[best]
 
-    def _error_by(self, values: Array, P: Array, dockings: int) -> InstallationError:
-        model, B = np.diag(np.square(_MODEL)), self._effect(np.zeros(3))
+    def _error_by(self, values: Array, P: Array, dockings: int, dock: Array = _DOCKED) -> InstallationError:
+        model, B = np.diag(np.square(_MODEL)), self._effect(dock)
         noise = P - P @ np.diag(PRIOR**-2) @ P + model
         return InstallationError(values, noise, B * values, B @ (P + model) @ B.T, dockings)
 
