@@ -253,7 +253,8 @@ class Watch:
             moves = None if speeds is None else contradiction(speeds, strict)
             if moves is not None:
                 return moves
-        decides = bool(shown) and shown[-1][0].stamp >= since - _RECENT
+        ahead = "m/s" in found.text  # there the images so far tell; a chair that pushes ahead is to be named at once
+        decides = ahead or (bool(shown) and shown[-1][0].stamp >= since - _RECENT)
         return found if decides or now - since >= _LATEST else None
 
     def _place(self) -> Contradiction | None:
