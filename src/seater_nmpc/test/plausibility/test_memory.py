@@ -76,14 +76,24 @@ def test_a_camera_that_was_put_right_is_believed_again(installation) -> None:
     assert installation.known.dockings < 4 and not error.is_wrong(LIMITS, CERTAIN)
 
 
+def test_what_turns_have_shown_no_docking_without_them_wears_away(installation) -> None:
+    shown = Knowledge(1, np.zeros((4, 4)), np.tile(np.diag([0.006, 0.006, 0.003, 0.002]) ** 2, (4, 1, 1)), turned=True)
+    installation.known = shown
+    docks(installation, (0.02, 0.0, 0.0, 0.0), 1)
+    assert installation.known.turned and np.array_equal(installation.known.values, shown.values)
+    assert np.all(np.diagonal(installation.known.covariances - shown.covariances, axis1=1, axis2=2) > 0.0)
+    installation.learn(LIMITS, CERTAIN, turned=True)
+    assert installation.known.dockings == 2 and installation.known.values[0, 0] > 0.002
+
+
 def test_it_is_kept_for_the_same_installation_only(tmp_path) -> None:
     memory, values = Memory(tmp_path / "new" / "memory.yaml"), np.full((4, 4), 0.001)
-    known = Knowledge(3, values, 0.5 * nothing_known().covariances)
+    known = Knowledge(3, values, 0.5 * nothing_known().covariances, turned=True)
     assert memory.recall("hall", MARK).dockings == 0
     memory.keep("hall", MARK, known)
     memory.keep("gate", MARK, replace(known, dockings=7))
     found = memory.recall("hall", MARK)
-    assert found.dockings == 3 and np.array_equal(found.covariances, known.covariances)
+    assert found.dockings == 3 and found.turned and np.array_equal(found.covariances, known.covariances)
     assert memory.recall("gate", MARK).dockings == 7
     lens = CameraModel(640, 480, "plumb_bob", np.zeros(5), np.eye(3), np.eye(3), np.zeros((3, 4)))
     others = {"width": 320, "distortion_model": "none", "D": np.full(5, 0.1), "K": 2.0 * lens.K}

@@ -146,6 +146,50 @@ def test_wheels_that_spin_on_the_spot(make_world) -> None:
     assert "wheels spinning" in ends(world, ResultCode.WHEELS_SLIP).text
 
 
+def turning(make_world) -> tuple[World, Fault]:
+    """A chair that has turned by 0.2 rad to see where its camera sits."""
+    world = make_world((-2.5, 0.0, 0.0), sequence={"installation_check": "on_the_way"})
+    world.tick()
+    world.sequence.start_dock(world.now)
+    step = world.run(10.0, until=lambda step: abs(world.truth[2]) > 0.2)
+    assert step.phase is Phase.CHECK_INSTALLATION
+    return world, Fault(world)
+
+
+@pytest.mark.parametrize("frozen", [True, False])
+def test_odometry_and_images_contradict_each_other_in_a_turn_on_the_spot(make_world, frozen) -> None:
+    """At 0.3 rad/s it was as little as tyres explain: noticed after 2 to 13 s, as the chair drove on ahead."""
+    world, fault = turning(make_world)
+    if frozen:
+        world.measures = fault.does_not_measure
+    else:
+        world.moves, world.measures = fault.stands, fault.wheels_turn
+    fault.begin()
+    result = ends(world, ResultCode.ODOMETRY_WRONG if frozen else ResultCode.WHEELS_SLIP, 1.5)
+    assert "the chair turned by" in result.text
+
+
+@pytest.mark.parametrize(("stands", "code"), [(False, ResultCode.ODOMETRY_WRONG), (True, ResultCode.BLOCKED)])
+def test_late_images_tell_frozen_odometry_from_a_chair_that_is_blocked(make_world, stands, code) -> None:
+    """At 11 Hz, 0.2 s late: none that were taken since are there yet when the chair has stood by its odometry for too
+    long. It was BLOCKED whichever it was. Meanwhile the chair is asked for nothing."""
+    world, fault = turning(make_world)
+    take, waiting = world.sequence.add_detections, []
+
+    def late(stamp: float, found: list[Hypothesis]) -> None:
+        waiting.extend([(stamp, found)] if round(stamp * 100) % 9 == 0 else [])
+        if waiting and waiting[0][0] <= stamp - 0.2:
+            take(*waiting.pop(0))
+
+    world.sequence.add_detections = late
+    world.run(0.3)
+    world.measures = lambda world, odometry: replace(fault.does_not_measure(world, odometry), v=0.0, omega=0.0)
+    world.moves = fault.stands if stands else world.moves
+    fault.begin()
+    ends(world, code, 0.95)
+    assert all(command.v == command.omega == 0.0 for command in world.commands[-3:])
+
+
 def test_two_wrong_images_in_a_row_are_no_wheels_that_spin(make_world) -> None:
     """Of a camera of 10 Hz, in the bay: 5 cm nearer, so that a line through four images still fits."""
     world, images = driving(make_world, (-1.2, 0.0, 0.0), -0.9)[0], iter(range(1000))

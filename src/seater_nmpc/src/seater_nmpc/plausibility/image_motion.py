@@ -26,11 +26,11 @@ Shown = Sequence[tuple[Instant, list[Measurement]]]
 
 _WINDOW = 0.4  # [s] of images
 _FEWEST, _LONGEST = 5, 1.2  # images; [s] that they may take, else the camera is too slow for this
-_NEAREST = 0.3  # [m] of the markers ahead: nearer, their bearing says little of turning
-_CERTAIN = 3.0  # standard deviations
+NEAREST = 0.3  # [m] of the markers ahead: nearer, their bearing says little of turning
+CERTAIN = 3.0  # standard deviations
 # [s] by which the stamps of odometry and images may differ (a driver that stamps what it receives): while the chair
 # speeds up or turns in, each then shows another moment.
-_CLOCKS = 0.15
+CLOCKS = 0.15
 # [m, rad] off the line that an image may be, beyond its own standard deviations: speeds change. Two flipped images in a
 # row, whose place is nearly right, looked like wheels that spin: the heading tells.
 _ON_THE_LINE = (0.015, 0.1)
@@ -56,13 +56,10 @@ def speeds_by_images(shown: Shown, middle: Array, fewest: int = _FEWEST) -> Imag
     last = window[-1][0]
     best = [max(offered, key=lambda measurement: measurement.weight) for _, offered in window]
     times = np.array([instant.stamp for instant, _ in window])
-    poses, cosines, sines = _poses(best)
-    turns = np.stack([cosines, sines, -sines, cosines], axis=1).reshape(-1, 2, 2)  # rotations, transposed
-    places = (middle @ turns) + poses[:, :2]
-    sds = _sds(best, cosines, sines, middle)
+    places, sds = places_of(best, middle)
     x, y, _ = relative(last.pose, [*places[-1], 0.0]).tolist()
     slopes = _slopes(times, places, sds, best)
-    if slopes is None or x < _NEAREST:
+    if slopes is None or x < NEAREST:
         return None
     c, s = math.cos(last.pose[2]), math.sin(last.pose[2])
     u, w = slopes @ [c, s], slopes @ [-s, c]
@@ -84,21 +81,26 @@ def contradiction(speeds: ImageSpeeds, parameters: PlausibilityParameters) -> Co
     p = parameters
     v, omega = (max(abs(a), abs(b)) for a, b in zip(speeds.odometry, speeds.images, strict=True))
     allowed = (
-        p.image_speed + p.image_share * v + _CERTAIN * speeds.sd[0] + speeds.later[0],
+        p.image_speed + p.image_share * v + CERTAIN * speeds.sd[0] + speeds.later[0],
         # tyres that slip on one side by that share turn a chair of usual width by as much per metre
-        p.image_turning + p.image_share * (omega + 2.0 * v) + _CERTAIN * speeds.sd[1] + speeds.later[1],
+        p.image_turning + p.image_share * (omega + 2.0 * v) + CERTAIN * speeds.sd[1] + speeds.later[1],
     )
     for axis, name, unit in ((0, "drives", "m/s"), (1, "turns", "rad/s")):
         odometry, images = speeds.odometry[axis], speeds.images[axis]
         if abs(odometry - images) <= allowed[axis]:
             continue
-        text = f"the chair {name} at {odometry:.2f} {unit} by its odometry, at {images:.2f} {unit} by the images"
-        if abs(odometry) < abs(images):
-            return Contradiction(Kind.ODOMETRY_WRONG, f"{text} (odometry frozen, or an encoder failed?)")
-        return Contradiction(
-            Kind.WHEELS_SLIP, f"{text} (wheels spinning, something in the way, or images that do not change?)"
-        )
+        what = f"the chair {name} at {odometry:.2f} {unit} by its odometry, at {images:.2f} {unit} by the images"
+        return doubted(what, abs(odometry) < abs(images))
     return None
+
+
+def doubted(what: str, less: bool) -> Contradiction:
+    """What odometry and images say; `less`: the odometry measures less."""
+    if less:
+        return Contradiction(Kind.ODOMETRY_WRONG, f"{what} (odometry frozen, or an encoder failed?)")
+    return Contradiction(
+        Kind.WHEELS_SLIP, f"{what} (wheels spinning, something in the way, or images that do not change?)"
+    )
 
 
 def _window(shown: Shown, fewest: int) -> Shown:
@@ -116,11 +118,18 @@ def _by_odometry(first: Instant, last: Instant) -> tuple[float, float]:
 
 
 def _later(window: Shown) -> tuple[float, float]:
-    """By how much the speeds of the odometry change within _CLOCKS, as they change most in the window."""
-    share = min(1.0, _CLOCKS / (window[-1][0].stamp - window[0][0].stamp))
+    """By how much the speeds of the odometry change within CLOCKS, as they change most in the window."""
+    share = min(1.0, CLOCKS / (window[-1][0].stamp - window[0][0].stamp))
     speeds = np.array([(instant.v, instant.omega) for instant, _ in window])
     v, omega = (share * np.ptp(speeds, axis=0)).tolist()
     return v, omega
+
+
+def places_of(best: list[Measurement], middle: Array) -> tuple[Array, Array]:
+    """Where each measurement shows the middle (2,) of the markers in odom, (n, 2), and how certainly, (n,) [m]."""
+    poses, cosines, sines = _poses(best)
+    turns = np.stack([cosines, sines, -sines, cosines], axis=1).reshape(-1, 2, 2)  # rotations, transposed
+    return (middle @ turns) + poses[:, :2], _sds(best, cosines, sines, middle)
 
 
 def _poses(best: list[Measurement]) -> tuple[Array, Array, Array]:
@@ -146,7 +155,7 @@ def _slopes(times: Array, places: Array, sds: Array, best: list[Measurement]) ->
     n = len(times)
     headings = wrap_angles(np.array([one.pose[2] for one in best]) - best[-1].pose[2])
     places = np.column_stack([places, headings])
-    allowed = _CERTAIN * np.column_stack([sds, [math.sqrt(one.covariance[2, 2]) for one in best]]) + _ON_THE_LINE
+    allowed = CERTAIN * np.column_stack([sds, [math.sqrt(one.covariance[2, 2]) for one in best]]) + _ON_THE_LINE
     kept = np.nonzero(~np.eye(n, dtype=bool))[1].reshape(n, n - 1)  # row i: all but the i-th
     t, there = times[kept], places[kept]  # (n, n - 1) and (n, n - 1, 3)
     t, there = t - t.mean(axis=1)[:, None], there - there.mean(axis=1)[:, None, :]

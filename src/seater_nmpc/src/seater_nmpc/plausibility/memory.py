@@ -46,7 +46,10 @@ class Memory:
             return nothing_known()
         try:
             known = Knowledge(
-                int(entry["dockings"]), np.array(entry["values"], float), np.array(entry["covariances"], float)
+                int(entry["dockings"]),
+                np.array(entry["values"], float),
+                np.array(entry["covariances"], float),
+                entry.get("turned") is True,  # not in files of before
             )
         except (KeyError, TypeError, ValueError, OverflowError):
             return nothing_known()
@@ -60,6 +63,7 @@ class Memory:
             "dockings": known.dockings,
             "values": known.values.tolist(),
             "covariances": known.covariances.tolist(),
+            "turned": known.turned,
         }
         write_whole(self._path, _HEAD + yaml.safe_dump(docks, default_flow_style=None).encode(), overwrite=True)
 

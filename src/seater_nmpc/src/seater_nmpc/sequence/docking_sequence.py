@@ -179,7 +179,7 @@ class DockingSequence:
         if self._goal.phase is not Phase.UNDOCKING and self._unseen:
             self.observer.reset(*self._prior)
         self._phases.resume(now, paused)
-        self._watch.begin(now)
+        self._watch.resume(now)
 
     def add_odometry(self, odometry: Odometry) -> bool:
         """Take an odometry message; false when it was refused and counted."""
@@ -291,7 +291,7 @@ class DockingSequence:
             return end.code, end.text
         doubt = self._watch.final() or (None if self._goal.contact else self._watch.jumped())
         suspicion = self._watch.suspected() if end.code is ResultCode.SUCCESS else ""
-        self._watch.learn()
+        self._watch.learn(turned=self._phases.installation_shown)
         if doubt is not None:
             failed = "" if end.code is ResultCode.SUCCESS else f"{end.text}: "
             return ResultCode[doubt.kind.name], failed + doubt.text
@@ -307,7 +307,8 @@ class DockingSequence:
         covariance = self._goal.covariance
         if covariance is None:
             return 0.0, 0.0
-        return standard_deviations(covariance, self.observer.parameters, *self._watch.final_error)
+        final = self._watch.final_error(turned=self._phases.installation_shown)
+        return standard_deviations(covariance, self.observer.parameters, *final)
 
     @property
     def staging(self) -> bool:
@@ -317,7 +318,7 @@ class DockingSequence:
     def _finish(self, now: float, code: ResultCode, text: str) -> Step:
         now = now if math.isfinite(now) else self._goal.now
         if self._goal.phase is Phase.HOLDING and self._goal.contact and code in _LETS_DOCKED:
-            self._watch.learn()  # its end is not one of the phases', see `_doubted`
+            self._watch.learn(turned=self._phases.installation_shown)  # no phase has ended it, see `_doubted`
             code, text = ResultCode.SUCCESS, f"docked; the watch of the contact ended: {text}"
         failure = self._goal.failure
         if failure is not None and failure.code is not code:

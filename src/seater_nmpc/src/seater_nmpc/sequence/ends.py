@@ -34,7 +34,8 @@ class Ends:
             raise GoalEnd(ResultCode.ODOMETRY_LOST, f"newest odometry is {now - newest.stamp:.2f} s old")
 
     def check(self, now: float) -> Instant | None:
-        """What ends every phase, too; the chair at `now` [s], None while the odometry is late but not lost yet.
+        """What ends every phase, too; the chair at `now` [s], None while it has to stand: the odometry is late but not
+        lost yet, or images are to say what the matter is.
 
         Raises GoalEnd.
         """
@@ -49,7 +50,7 @@ class Ends:
         found = self._watch.check(now)
         if found is not None:
             raise GoalEnd(ResultCode[found.kind.name], found.text)
-        return observer.odometry.at(now)
+        return None if self._watch.waits else observer.odometry.at(now)
 
     def _check_contact(self, now: float) -> None:
         """A contact that is closed out there would be closed at the dock, too, and prove nothing. Raises GoalEnd."""

@@ -40,6 +40,8 @@ class InstallationCheck:
         """A goal begins."""
         self._turned: list[bool] = []  # at which places, far or near, room or not
         self._begun = 0
+        self._forgotten = False  # what a turn has shown
+        self._swings = 0  # turns made, of those that are not forgotten
         self.restart()
 
     def restart(self) -> None:
@@ -60,7 +62,8 @@ class InstallationCheck:
         if c.goal.now > c.goal.deadlines.half:
             return False
         if c.watch.begun != self._begun:  # the dock was another one, or lost: what was turned before shows nothing
-            self._turned, self._begun, turned = [], c.watch.begun, 0
+            self._forgotten = self._forgotten or turned > 0
+            self._turned, self._begun, turned, self._swings = [], c.watch.begun, 0, 0
         # The contact says it better.
         known = c.require_contact or c.watch.doubt(turned=turned > 0) <= p.installation_doubt
         begins = turned == 0 and p.installation_check == "always"
@@ -68,7 +71,9 @@ class InstallationCheck:
             return False
         begins_here = turned == 0 and self._is_far(error) and self._has_room(error)
         if self._on_the_way and (turned == 0 or turned > _BOTH):  # nowhere that it would have to back out far to
-            return begins_here
+            return begins_here or (straight and turned == 0 and self._forgotten)
+        if self._on_the_way and not self._turned[0]:  # what the turn far away had shown is forgotten: the near one did
+            return False
         return straight or begins_here
 
     @property
@@ -76,6 +81,11 @@ class InstallationCheck:
         """Whether a success has to be as certain as turns make it."""
         never = self._context.parameters.installation_check == "never"
         return not never and (not self._on_the_way or len(self._turned) >= _BOTH)
+
+    @property
+    def shown(self) -> bool:
+        """Whether it has turned at two places."""
+        return self._swings >= _BOTH
 
     @property
     def _on_the_way(self) -> bool:
@@ -102,6 +112,7 @@ class InstallationCheck:
     def _turned_there(self) -> Phase:
         """A chair whose installation is surely wrong does not drive into the bay. Raises GoalEnd."""
         self._context.controller.reset()
+        self._swings += 1
         wrong = self._context.watch.final()
         if wrong is not None:
             raise GoalEnd(ResultCode[wrong.kind.name], f"turned in front of the dock: {wrong.text}")

@@ -99,6 +99,11 @@ class Phases:
         """Whether a success has to be as certain as turns make it."""
         return self._check.vouches
 
+    @property
+    def installation_shown(self) -> bool:
+        """Whether this goal has turned at two places, which shows where the camera sits."""
+        return self._check.shown
+
     def _retry(self, chair: Instant) -> Asked:
         """RETRY; then again from there."""
         asked = self._way_out.retry(chair)

@@ -12,7 +12,7 @@ from seater_common.se2 import compose
 from seater_nmpc.control.command import Command
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.plan.corridor import Corridor, room_beyond, straight_in
-from seater_nmpc.sequence.goal.results import Phase, ResultCode
+from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import STANDING, Asked, Context
 from seater_nmpc.sequence.phases.installation_check import InstallationCheck
 
@@ -29,6 +29,7 @@ class WayIn:
     def __init__(self, context: Context, check: InstallationCheck) -> None:
         self._context, self._check = context, check
         self._corridor = Corridor(context.chair, context.dock, context.parameters)
+        self._mouth = context.dock.bay.entrance_x - context.chair.length_front  # [m] its front is there
         self._room_beyond = room_beyond(context.chair, context.dock)
         self.restart()
 
@@ -57,6 +58,7 @@ class WayIn:
         """APPROACH: until the chair is, or would come to rest, in the corridor, or has arrived at the predock point."""
         c = self._context
         error = c.look(chair)
+        self._look_at_the_walls(error)
         if self._is_straight(error) or self._is_straight(c.rest_error(chair)):
             return self._on(error)
         if c.is_at(c.dock.predock_x, error, chair) and c.navigator.straight_way_clear(error):
@@ -68,6 +70,7 @@ class WayIn:
         """FINAL: straight in, until the chair would come to rest at the dock."""
         c = self._context
         error = c.look(chair)
+        self._look_at_the_walls(error)
         rest, speeds = c.rest_error(chair), c.speeds(chair)
         c.goal.expected_rest = None
         if self._corridor.missed(error) and self._corridor.missed(rest):
@@ -85,6 +88,15 @@ class WayIn:
         if c.standstill.stalled(chair.stamp, c.measured(chair), near=near):
             return Phase.STOPPING if near else c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands short of the dock")
         return c.drive(chair, straight_in(error, short))
+
+    def _look_at_the_walls(self, error: Array) -> None:
+        """A chair ahead of the bay does not go in where the walls surely are elsewhere. Raises GoalEnd."""
+        c = self._context
+        if c.goal.staging or error[0] > self._mouth:
+            return
+        wrong = c.watch.walls()
+        if wrong is not None:
+            raise GoalEnd(ResultCode[wrong.kind.name], f"in front of the bay: {wrong.text}")
 
     def _on(self, error: Array) -> Phase:
         return Phase.CHECK_INSTALLATION if self._check.wanted(error, straight=True) else self._straight
