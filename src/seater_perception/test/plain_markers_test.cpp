@@ -54,7 +54,7 @@ TEST(PatternTemplate, ofARoundBlurIsThatOfAnyBlur) {
   const MarkerFamily family = MarkerFamily::named("DICT_6X6_250");
   const PatternGrid grid(family.cells(), family.border());
   for (const double sd : {0.12, 0.36, 0.75}) {
-    const PatternTemplate round(grid, family.pattern(77), sd);
+    const PatternTemplate round(grid, family.pattern(77), RoundBlur(grid, sd));
     const PatternTemplate any(grid, family.pattern(77), Eigen::Matrix2d(sd * sd * Eigen::Matrix2d::Identity()));
     PatternTemplate::Fit light;
     light.gain = 120.0;

@@ -22,11 +22,24 @@ class PatternGrid {
   float x(int column) const { return at_[static_cast<std::size_t>(column)]; }
   float y(int row) const { return at_[static_cast<std::size_t>(row)]; }
   /// 0: quiet zone, 1: border, 2: within.
-  int ring(int row, int column) const;
+  int ring(int row, int column) const { return rings_[static_cast<std::size_t>(row * along_ + column)]; }
 
  private:
-  int cells_, border_, along_;
+  int cells_, along_;
   std::vector<float> at_;
+  std::vector<signed char> rings_;
+};
+
+/// What a round point spread function lets the points of a grid see, which is the same for all patterns: it blurs rows
+/// and columns by themselves.
+struct RoundBlur {
+  /// `psf_sd`: standard deviation [cells].
+  RoundBlur(const PatternGrid& grid, double psf_sd);
+
+  Eigen::MatrixXd value;      ///< what the points (rows) see of the cells along one axis, the quiet zone's with them
+  Eigen::MatrixXd slope;      ///< how that changes with the point [1/cell]
+  Eigen::MatrixXd quiet;      ///< of the quiet zone, in each point of the grid
+  double own_fraction = 0.0;  ///< PatternTemplate::ownFraction
 };
 
 /// A pattern as a camera of a given point spread function sees it at the points of the grid, and how that changes when
@@ -39,9 +52,8 @@ class PatternTemplate {
   using Columns = Eigen::Matrix<float, Eigen::Dynamic, kColumns>;
   using Triangle = Eigen::Matrix<double, kColumns, kColumns>;
 
-  /// `psf_sd`: standard deviation of the point spread function [cells].
-  PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, double psf_sd);
-  /// `psf_covariance`: the same with motion blur [cells^2], x right, y down.
+  PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, const RoundBlur& blur);
+  /// `psf_covariance`: of the point spread function, the same with motion blur [cells^2], x right, y down.
   PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, const Eigen::Matrix2d& psf_covariance);
 
   /// Fraction of a cell's own brightness that remains in its four points: what its bit changes there.
@@ -69,9 +81,10 @@ class PatternTemplate {
   void setRow(const PatternGrid& grid, int row, int column, double value, double quiet, double by_x, double by_y);
   void factorise();
 
-  Columns columns_;
+  Columns columns_;  // zero beyond the grid's points
+  Eigen::Index points_;
   double own_fraction_ = 0.0;
-  Triangle all_;  // Cholesky factor of columns' * columns
+  Triangle all_;  // inverse of the Cholesky factor of columns' * columns
 };
 
 }  // namespace seater_perception

@@ -3,6 +3,7 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -40,16 +41,23 @@ class TemplateBook {
   /// What a level's point spread function makes of the codes.
   struct Blurred {
     Eigen::MatrixXf shares;    ///< of each cell (column) in the grid's points (row) along one axis
-    Eigen::VectorXf unlength;  ///< one over each code's length, slopes of the light taken off
+    Eigen::VectorXf unlength;  ///< one over each code's length, slopes of the light taken off; `ink_`'s rows
   };
   const Blurred& blurred(int level) const;
+  const RoundBlur& round(int level) const;
+  Eigen::VectorXf lengths(const Eigen::MatrixXf& shares) const;
+  Eigen::VectorXf restOf(const ImageLevels::Samples& samples) const;
 
   std::map<int, MarkerPattern> patterns_;
   std::vector<int> ids_;  // of the patterns
   PatternGrid grid_;
-  Eigen::MatrixXf ink_;  // a column for each id: -1 where a cell is black, else 0; row by row from the top
+  int border_;
+  // A row for each id, as many more as make whole blocks, a column for each cell within the border (row by row from the
+  // top): -1 where it is black, else 0.
+  Eigen::MatrixXf ink_;
   mutable std::map<std::pair<int, int>, std::unique_ptr<PatternTemplate>> templates_;
   mutable std::array<Blurred, kTemplateSd.size()> blurred_;
+  mutable std::array<std::optional<RoundBlur>, kTemplateSd.size()> round_;
   Eigen::Matrix<float, Eigen::Dynamic, 3> light_;  // orthonormal: offset and slopes
 };
 
