@@ -18,6 +18,8 @@ constexpr float kLightestBit = 0.15f;
 constexpr int kSteps = 10;            // ends what does not converge
 constexpr double kLongestStep = 0.5;  // [cells] of a corner: the template is linear only so near
 constexpr double kDone = 0.01;        // [cells] a third of the corners' accuracy on large markers (0.03 cells)
+// Enough to choose the blur, whose finest levels differ by as much. Chosen by hand; it saves time.
+constexpr double kRoughly = 0.05;  // [cells]
 // Chosen by hand; it saves time: a marker that is cut off so far does not show every bit, and is refused later.
 constexpr int kFewestSeen = 60;  // [percent] of the samples
 // Of fewer pixels a cell, noise and a wrong code look like something that covers: images without markers reach an
@@ -94,13 +96,13 @@ bool PatternAligner::showsBits(const ImageLevels::Samples& samples) const {
   return rings.known && rings.lightest - rings.border > kLightestBit * (rings.quiet - rings.border);
 }
 
-/// Gauss-Newton.
-bool PatternAligner::descend(const ImageLevels& image, Alignment& a) const {
+/// Gauss-Newton, until the next step is shorter than `done` [cells]. The fit is that of the samples.
+bool PatternAligner::descend(const ImageLevels& image, double done, Alignment& a) const {
   static const Eigen::Vector2d kCorners[] = {{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}};
   const PatternTemplate& pattern = templateOf(a);
   const double cell = 2.0 / book_.grid().cells();
   for (int step = 0; step < kSteps; ++step) {
-    if (!look(image, a)) return false;
+    if ((step > 0 || a.samples.grey.size() == 0) && !look(image, a)) return false;
     const auto fit = pattern.fit(a.samples.grey, a.weights(), true);
     if (!fit || !(fit->gain > 0.0) || (step > 2 && fit->explained < kHopeless)) return false;
     a.fit = *fit;
@@ -108,13 +110,16 @@ bool PatternAligner::descend(const ImageLevels& image, Alignment& a) const {
     for (const auto& c : kCorners) {
       longest = std::max(longest, (PatternTemplate::moved(fit->motion, c) - c).norm() / cell);
     }
-    if (longest < kDone) return true;
+    if (longest < done) return true;
     const Eigen::Matrix<double, 8, 1> motion = -std::min(1.0, kLongestStep / longest) * fit->motion;
     const SquareToQuad map(a.quad);
     for (std::size_t i = 0; i < 4; ++i) a.quad[i] = map(PatternTemplate::moved(motion, kCorners[i]));
     if (!(meanSide(a.quad) > 4.0 && meanSide(a.quad) < 1e5)) return false;
   }
-  return look(image, a);
+  if (!look(image, a)) return false;
+  const auto fit = pattern.fit(a.samples.grey, a.weights(), false);
+  if (fit) a.fit = *fit;
+  return fit && fit->gain > 0.0;
 }
 
 /// The level that explains most; false when it is the one at hand.
@@ -134,13 +139,13 @@ bool PatternAligner::chooseLevel(Alignment& a) const {
 }
 
 bool PatternAligner::align(const ImageLevels& image, Alignment& a) const {
-  if (!descend(image, a)) return false;
-  for (int round = 0; round < 2 && chooseLevel(a); ++round) {
-    if (!descend(image, a)) return false;
+  if (!descend(image, kRoughly, a)) return false;
+  for (int round = 0; round < 2; ++round) {
+    const bool changed = chooseLevel(a);
+    if (round > 0 && !changed) break;
+    if (!descend(image, kDone, a)) return false;
   }
-  const auto fit = templateOf(a).fit(a.samples.grey, a.weights(), false);
-  if (fit) a.fit = *fit;
-  return fit && fit->gain > 0.0;
+  return true;
 }
 
 double PatternAligner::worstBit(const Alignment& a) const {
@@ -176,6 +181,8 @@ bool PatternAligner::leaveOutCovered(Alignment& a) const {
   }
   const float covered = static_cast<float>(grid.size()) - free.sum();
   a.free = free;
+  a.samples.weights.array() *= free.array();
+  a.samples.grey.array() *= free.array();
   return covered > 0.0f && covered < kMostCovered * static_cast<float>(grid.size());
 }
 

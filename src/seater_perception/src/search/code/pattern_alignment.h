@@ -16,7 +16,7 @@ struct Alignment {
   int id = 0;
   int level = kStartLevel;  ///< template blur level: index into TemplateBook::kTemplateSd
   Quad quad;                ///< in the print's order [px]
-  ImageLevels::Samples samples;
+  ImageLevels::Samples samples;  ///< under it; empty: not looked at yet
   PatternTemplate::Fit fit;
   std::shared_ptr<const PatternTemplate> own;  ///< in place of the book's: image moved, or print seen at a steep angle
   bool moved = false;                          ///< of an image that moved
@@ -57,7 +57,7 @@ class PatternAligner {
 
  private:
   const PatternTemplate& templateOf(const Alignment& a) const;
-  bool descend(const ImageLevels& image, Alignment& a) const;
+  bool descend(const ImageLevels& image, double done, Alignment& a) const;
   bool chooseLevel(Alignment& a) const;
   /// The best fit of a template blurred so in the image [px^2], from the quadrilateral of `a`.
   std::optional<Alignment> alignBlurred(const ImageLevels& image, const Alignment& a,

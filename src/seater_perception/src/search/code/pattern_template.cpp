@@ -84,6 +84,20 @@ PatternGrid::PatternGrid(int cells, int border) : cells_(cells), along_(2 * cell
   }
 }
 
+Eigen::VectorXf turned(const Eigen::VectorXf& points, int along, int turn) {
+  if (turn == 0) return points;
+  Eigen::VectorXf upright(points.size());
+  const int last = along - 1;
+  for (int row = 0, i = 0; row < along; ++row) {
+    for (int column = 0; column < along; ++column, ++i) {
+      const int r[] = {row, column, last - row, last - column};
+      const int c[] = {column, last - row, last - column, row};
+      upright[r[turn] * along + c[turn]] = points[i];
+    }
+  }
+  return upright;
+}
+
 RoundBlur::RoundBlur(const PatternGrid& grid, double psf_sd)
     : value(grid.along(), grid.cells() + 2), slope(value), own_fraction(std::pow(fractionAlong(psf_sd), 2)) {
   for (int point = 0; point < grid.along(); ++point) {

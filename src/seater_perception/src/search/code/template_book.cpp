@@ -21,21 +21,6 @@ std::map<int, MarkerPattern> patternsOf(const MarkerFamily& family, const std::s
   return patterns;
 }
 
-/// What the cells of a quadrilateral show, all but its border (row by row), as those of the print would stand upright in
-/// it.
-Eigen::VectorXf turned(const Eigen::MatrixXf& cells, int border, int turn) {
-  const Eigen::Index side = cells.rows() - 2 * border, last = side - 1;
-  Eigen::VectorXf upright(side * side);
-  for (Eigen::Index row = 0; row < side; ++row) {
-    for (Eigen::Index column = 0; column < side; ++column) {
-      const Eigen::Index r[] = {row, column, last - row, last - column};
-      const Eigen::Index c[] = {column, last - row, last - column, row};
-      upright[r[turn] * side + c[turn]] = cells(border + row, border + column);
-    }
-  }
-  return upright;
-}
-
 using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Along one axis, what two cells (or a cell and the light) have in common in the grid's points.
@@ -159,11 +144,13 @@ std::vector<TemplateBook::Candidate> TemplateBook::compare(const ImageLevels::Sa
   // light, is in none of what is left. The light's slopes turn with the samples, so these are turned and not the codes.
   // The border is the same for all.
   const Eigen::Map<const RowMajor> points(rest.data(), grid_.along(), grid_.along());
-  const Eigen::MatrixXf cells = known.shares.transpose() * (points * known.shares).eval();
+  const RowMajor cells = known.shares.transpose() * (points * known.shares).eval();
   const int bits = grid_.cells() - 2 * border_;
-  const float border = cells.block(border_, border_, bits, bits).sum() - cells.sum();
+  const RowMajor within = cells.block(border_, border_, bits, bits);
+  const Eigen::Map<const Eigen::VectorXf> shown(within.data(), within.size());
+  const float border = within.sum() - cells.sum();
   Eigen::MatrixXf upright(bits * bits, 4), all(ink_.rows(), 4);
-  for (int turn = 0; turn < 4; ++turn) upright.col(turn) = turned(cells, border_, turn);
+  for (int turn = 0; turn < 4; ++turn) upright.col(turn) = turned(shown, bits, turn);
   fourSumsOfColumns(ink_.data(), static_cast<int>(ink_.rows()), static_cast<int>(ink_.cols()), upright.data(),
                     all.data());
   const auto ids = static_cast<Eigen::Index>(ids_.size());
