@@ -17,6 +17,7 @@ constexpr double kSmallestStep = 6.0;  // [grey levels] between border and quiet
 constexpr float kLightestBit = 0.15f;
 constexpr int kSteps = 10;            // ends what does not converge
 constexpr double kLongestStep = 0.5;  // [cells] of a corner: the template is linear only so near
+constexpr double kShortestPace = 0.4;  // of a step; chosen by hand
 constexpr double kDone = 0.01;        // [cells] a third of the corners' accuracy on large markers (0.03 cells)
 // Enough to choose the blur, whose finest levels differ by as much. Chosen by hand; it saves time.
 constexpr double kRoughly = 0.05;  // [cells]
@@ -96,24 +97,50 @@ bool PatternAligner::showsBits(const ImageLevels::Samples& samples) const {
   return rings.known && rings.lightest - rings.border > kLightestBit * (rings.quiet - rings.border);
 }
 
+namespace {
+
+Eigen::Vector2d corner(int i) {
+  return {i == 1 || i == 2 ? 1.0 : -1.0, i >= 2 ? 1.0 : -1.0};
+}
+
+/// How far each corner goes with a motion [half sides].
+Eigen::Matrix<double, 8, 1> cornersMoved(const Eigen::Matrix<double, 8, 1>& motion) {
+  Eigen::Matrix<double, 8, 1> moved;
+  for (int i = 0; i < 4; ++i) moved.segment<2>(2 * i) = PatternTemplate::moved(motion, corner(i)) - corner(i);
+  return moved;
+}
+
+/// Of a step, how much of it to go. Where edges are sharper in the image than in the template (aliased, sharpened), its
+/// gradient is too small and steps are up to twice too long: the fit would go to and fro. What the last step has
+/// changed of the next one tells (secant).
+double paceOf(const Eigen::Matrix<double, 8, 1>& last, double last_pace, const Eigen::Matrix<double, 8, 1>& next) {
+  const double growth = last.dot(last - next), of = last_pace * last.squaredNorm();
+  return growth > of ? std::max(kShortestPace, of / growth) : 1.0;
+}
+
+}  // namespace
+
 /// Gauss-Newton, until the next step is shorter than `done` [cells]. The fit is that of the samples.
 bool PatternAligner::descend(const ImageLevels& image, double done, Alignment& a) const {
-  static const Eigen::Vector2d kCorners[] = {{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}};
   const PatternTemplate& pattern = templateOf(a);
   const double cell = 2.0 / book_.grid().cells();
+  Eigen::Matrix<double, 8, 1> last = Eigen::Matrix<double, 8, 1>::Zero();
+  double pace = 0.0;
   for (int step = 0; step < kSteps; ++step) {
     if ((step > 0 || a.samples.grey.size() == 0) && !look(image, a)) return false;
     const auto fit = pattern.fit(a.samples.grey, a.weights(), true);
     if (!fit || !(fit->gain > 0.0) || (step > 2 && fit->explained < kHopeless)) return false;
     a.fit = *fit;
+    const Eigen::Matrix<double, 8, 1> next = cornersMoved(fit->motion);
+    pace = step > 0 ? paceOf(last, pace, next) : 1.0;
     double longest = 0.0;
-    for (const auto& c : kCorners) {
-      longest = std::max(longest, (PatternTemplate::moved(fit->motion, c) - c).norm() / cell);
-    }
+    for (int i = 0; i < 4; ++i) longest = std::max(longest, pace * next.segment<2>(2 * i).norm() / cell);
     if (longest < done) return true;
-    const Eigen::Matrix<double, 8, 1> motion = -std::min(1.0, kLongestStep / longest) * fit->motion;
+    if (longest > kLongestStep) pace *= kLongestStep / longest;
+    last = next;
     const SquareToQuad map(a.quad);
-    for (std::size_t i = 0; i < 4; ++i) a.quad[i] = map(PatternTemplate::moved(motion, kCorners[i]));
+    for (int i = 0; i < 4; ++i)
+      a.quad[static_cast<std::size_t>(i)] = map(PatternTemplate::moved(-pace * fit->motion, corner(i)));
     if (!(meanSide(a.quad) > 4.0 && meanSide(a.quad) < 1e5)) return false;
   }
   if (!look(image, a)) return false;
