@@ -70,4 +70,15 @@ SEATER_VECTOR_CLONES void fourSumsOfColumns(const float* columns, int n, int siz
   }
 }
 
+SEATER_VECTOR_CLONES int firstAbove(const float* values, int first, int end, float limit) {
+  constexpr int kBlock = 32;
+  for (; first + kBlock <= end; first += kBlock) {
+    int above = 0;
+    for (int i = 0; i < kBlock; ++i) above |= values[first + i] > limit ? 1 : 0;
+    if (above != 0) break;
+  }
+  while (first < end && !(values[first] > limit)) ++first;
+  return first;
+}
+
 }  // namespace seater_perception

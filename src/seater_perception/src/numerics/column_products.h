@@ -14,4 +14,7 @@ void columnDots(const float* columns, int column_stride, int n, int size, const 
 /// c is weights[k * size + c], sum k begins at sums + k * n.
 void fourSumsOfColumns(const float* columns, int n, int size, const float* weights, float* sums);
 
+/// The first of values[first] .. values[end - 1] that is larger than `limit`; `end` where there is none.
+int firstAbove(const float* values, int first, int end, float limit);
+
 }  // namespace seater_perception

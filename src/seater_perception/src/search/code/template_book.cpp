@@ -157,8 +157,12 @@ std::vector<TemplateBook::Candidate> TemplateBook::compare(const ImageLevels::Sa
   for (int turn = 0; turn < 4; ++turn) {
     all.col(turn) = (all.col(turn).array() + border) * known.unlength.array() / length;
     for (Eigen::Index k = 0; k < ids; ++k) {
+      if (best.size() == count) {
+        const float least = static_cast<float>(best.back().correlation);
+        k = firstAbove(all.col(turn).data(), static_cast<int>(k), static_cast<int>(ids), least);
+        if (k == ids) break;
+      }
       const double correlation = all(k, turn);
-      if (best.size() == count && !(correlation > best.back().correlation)) continue;
       if (best.size() == count) best.pop_back();
       const auto later = [correlation](const Candidate& c) { return correlation > c.correlation; };
       best.insert(std::find_if(best.begin(), best.end(), later),

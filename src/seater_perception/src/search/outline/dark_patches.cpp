@@ -9,30 +9,44 @@
 namespace seater_perception {
 namespace {
 
-constexpr int kWord = 8;  // pixels looked at together
+constexpr int kWord = 8, kMost = 64;  // pixels looked at together, and kept as bits
 
 /// Dark pixels beside each other in a row: from `first` to before `end`.
 struct Run {
   int row, first, end, patch;
 };
 
+/// A bit for each of at most 64 pixels, the first one lowest: whether it is dark.
+std::uint64_t bitsOf(const uchar* pixels, int count) {
+  std::uint64_t bits = 0;
+  int x = 0;
+  for (; x + kWord <= count; x += kWord) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, pixels + x, sizeof(word));
+    // The product collects the bytes' highest bits in its own highest byte, each from where no other one comes.
+    bits |= ((word & 0x8080808080808080U) * 0x0002040810204081U >> 56U) << static_cast<unsigned>(x);
+  }
+  for (; x < count; ++x) bits |= static_cast<std::uint64_t>(pixels[x] >> 7U) << static_cast<unsigned>(x);
+  return bits;
+}
+
 /// Calls found(first, end) for each run of a row.
 template <typename Found>
 void eachRun(const uchar* row, int width, const Found& found) {
-  int first = -1;
-  const auto look = [&](int x) {
-    if (row[x] != 0 && first < 0) first = x;
-    if (row[x] == 0 && first >= 0) found(first, x), first = -1;
-  };
-  int x = 0;
-  for (; x + kWord <= width; x += kWord) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, row + x, sizeof(word));
-    if (word == (first < 0 ? 0U : ~std::uint64_t{0})) continue;  // nothing changes here
-    for (int i = 0; i < kWord; ++i) look(x + i);
+  int first = 0;
+  bool dark = false;
+  for (int x = 0; x < width; x += kMost) {
+    const int count = std::min(kMost, width - x);
+    const std::uint64_t bits = bitsOf(row + x, count);
+    // Where a pixel is not as the one before it. What lies beyond the row's end is light.
+    for (std::uint64_t change = bits ^ (bits << 1U | (dark ? 1U : 0U)); change != 0; change &= change - 1) {
+      const int at = x + __builtin_ctzll(change);
+      if (dark) found(first, at);
+      first = at;
+      dark = !dark;
+    }
   }
-  for (; x < width; ++x) look(x);
-  if (first >= 0) found(first, width);
+  if (dark) found(first, width);
 }
 
 struct Extent {
