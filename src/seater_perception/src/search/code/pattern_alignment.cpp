@@ -149,26 +149,27 @@ bool PatternAligner::descend(const ImageLevels& image, double done, Alignment& a
   return fit && fit->gain > 0.0;
 }
 
-/// The level that explains most; false when it is the one at hand.
+/// The level that explains most, and its fit; false when it is the one at hand.
 bool PatternAligner::chooseLevel(Alignment& a) const {
   if (a.own) return false;
+  std::optional<PatternTemplate::Fit> fit;
   const auto explained = [&](int level) {
     if (level < 0 || level >= kLevels) return -1.0;
-    const auto fit = book_.of(a.id, level).fit(a.samples.grey, a.weights(), false);
+    fit = book_.of(a.id, level).fit(a.samples.grey, a.weights(), false);
     return fit && fit->gain > 0.0 ? fit->explained : -1.0;
   };
   const int before = a.level;
-  double best = explained(a.level);
   for (const int direction : {-1, 1}) {
-    for (double next; (next = explained(a.level + direction)) > best; best = next) a.level += direction;
+    while (explained(a.level + direction) > a.fit.explained) a.level += direction, a.fit = *fit;
   }
   return a.level != before;
 }
 
-bool PatternAligner::align(const ImageLevels& image, Alignment& a) const {
+bool PatternAligner::align(const ImageLevels& image, Alignment& a, double least) const {
   if (!descend(image, kRoughly, a)) return false;
   for (int round = 0; round < 2; ++round) {
     const bool changed = chooseLevel(a);
+    if (a.fit.explained < least) return false;
     if (round > 0 && !changed) break;
     if (!descend(image, kDone, a)) return false;
   }

@@ -43,8 +43,9 @@ class PatternAligner {
   bool hasBorder(const ImageLevels::Samples& samples) const;
   /// Something light within the border: dark patches, which are most of what has a border, do not.
   bool showsBits(const ImageLevels::Samples& samples) const;
-  /// From corners within about a third of a cell. False, and `a` of no use, when it is not there.
-  bool align(const ImageLevels& image, Alignment& a) const;
+  /// From corners within about a third of a cell. False, and `a` of no use, when it is not there. `least`: part explained
+  /// by a rough fit, below which it is given up.
+  bool align(const ImageLevels& image, Alignment& a, double least = 0.0) const;
   /// The same for an image that moved by up to about 8 px during its exposure, in whatever direction.
   bool alignMotionBlurred(const ImageLevels& image, Alignment& a) const;
   /// The same for a print seen at a steep angle: what is round in the image is a long ellipse in cells. False, too,

@@ -19,6 +19,7 @@ constexpr double kWorthFittingInGlare = 0.6;
 constexpr int kGlareLevel = 4;          // template blur level for that
 constexpr double kClearlyBetter = 0.2;  // of correlation: a code so much less likely than the best is not
 constexpr double kWorthFitting = 0.5;   // correlation before the fit
+constexpr double kPerhapsCode = 0.7;    // part explained by a rough fit
 // What true markers and images without markers reach: the table "Evidence of a code" in docs/results/perception.md, and
 // perception_range (false detections, far end).
 constexpr double kSmallestMargin = 0.045;  // of correlation, over the next best code
@@ -184,7 +185,7 @@ std::optional<DecodedMarker> MarkerDecoder::decode(const ImageLevels& image, con
   for (const auto& candidate : likely) {
     if (candidate.correlation < std::max(kWorthFitting, likely[0].correlation - kClearlyBetter)) break;
     Alignment a = self.candidate(sight, candidate);
-    if (!self.aligner.align(image, a)) continue;
+    if (!self.aligner.align(image, a, kPerhapsCode)) continue;
     const Alignment round = a;
     // When another code is as likely, that is seen here too.
     if (const auto decoded = self.settle(image, threshold, a)) return decoded;
