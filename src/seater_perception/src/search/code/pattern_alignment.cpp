@@ -70,18 +70,22 @@ struct Rings {
 };
 
 Rings ringsOf(const PatternGrid& grid, const ImageLevels::Samples& samples) {
-  float sum[3] = {}, count[3] = {};
+  const int along = grid.along(), border = grid.border();
+  const Eigen::Map<const Eigen::MatrixXf> grey(samples.grey.data(), along, along);
+  const Eigen::Map<const Eigen::MatrixXf> weights(samples.weights.data(), along, along);
+  // What lies within the outermost `ring` points.
+  const auto within = [along](const auto& points, int ring) {
+    return points.block(ring, ring, along - 2 * ring, along - 2 * ring);
+  };
+  const int bits = 1 + 2 * border;
+  const float print = within(grey, 1).sum(), seen = within(weights, 1).sum();
+  const float quiet_seen = weights.sum() - seen, border_seen = seen - within(weights, bits).sum();
   Rings rings;
-  for (int row = 0, i = 0; row < grid.along(); ++row) {
-    for (int column = 0; column < grid.along(); ++column, ++i) {
-      const int ring = grid.ring(row, column);
-      sum[ring] += samples.grey[i];
-      count[ring] += samples.weights[i];
-      if (ring == 2) rings.lightest = std::max(rings.lightest, samples.grey[i]);
-    }
-  }
-  rings.known = count[0] > 0.0f && count[1] > 0.0f;
-  if (rings.known) rings.quiet = sum[0] / count[0], rings.border = sum[1] / count[1];
+  rings.known = quiet_seen > 0.5f && border_seen > 0.5f;
+  if (!rings.known) return rings;
+  rings.quiet = (grey.sum() - print) / quiet_seen;
+  rings.border = (print - within(grey, bits).sum()) / border_seen;
+  rings.lightest = std::max(0.0f, within(grey, bits).maxCoeff());
   return rings;
 }
 

@@ -74,7 +74,7 @@ Eigen::Index padded(int count) {
 
 }  // namespace
 
-PatternGrid::PatternGrid(int cells, int border) : cells_(cells), along_(2 * cells + 2) {
+PatternGrid::PatternGrid(int cells, int border) : cells_(cells), border_(border), along_(2 * cells + 2) {
   for (int i = 0; i < along_; ++i) at_.push_back(static_cast<float>((-kQuarter + 0.5 * i) * 2.0 / cells - 1.0));
   for (int row = 0; row < along_; ++row) {
     for (int column = 0; column < along_; ++column) {

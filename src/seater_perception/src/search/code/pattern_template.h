@@ -17,6 +17,7 @@ class PatternGrid {
   explicit PatternGrid(int cells, int border = 1);
 
   int cells() const { return cells_; }
+  int border() const { return border_; }
   int along() const { return along_; }  ///< points along a side
   int size() const { return along_ * along_; }
   float x(int column) const { return at_[static_cast<std::size_t>(column)]; }
@@ -25,7 +26,7 @@ class PatternGrid {
   int ring(int row, int column) const { return rings_[static_cast<std::size_t>(row * along_ + column)]; }
 
  private:
-  int cells_, along_;
+  int cells_, border_, along_;
   std::vector<float> at_;
   std::vector<signed char> rings_;
 };
