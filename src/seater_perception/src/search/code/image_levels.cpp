@@ -154,8 +154,8 @@ class Sampler {
     }
     for (int k = 0; k < grid_.along(); ++k) {
       const int i = 2 * k;
-      grey[k] = several_ ? 0.25f * (lines[0][i] + lines[0][i + 1]) + 0.25f * (lines[1][i] + lines[1][i + 1])
-                         : lines[0][k];
+      grey[k] =
+          several_ ? 0.25f * (lines[0][i] + lines[0][i + 1]) + 0.25f * (lines[1][i] + lines[1][i + 1]) : lines[0][k];
     }
     return true;
   }

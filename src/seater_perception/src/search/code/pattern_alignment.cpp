@@ -15,10 +15,10 @@ constexpr double kSmallestStep = 6.0;  // [grey levels] between border and quiet
 // Of the quiet zone's lightness over the border, the lightest point of markers in photographs and drawn ones (5700;
 // thin white, steep) has 0.78 and more; of what else has a border in photographs, nine of ten have less than 0.05.
 constexpr float kLightestBit = 0.15f;
-constexpr int kSteps = 10;            // ends what does not converge
-constexpr double kLongestStep = 0.5;  // [cells] of a corner: the template is linear only so near
+constexpr int kSteps = 10;             // ends what does not converge
+constexpr double kLongestStep = 0.5;   // [cells] of a corner: the template is linear only so near
 constexpr double kShortestPace = 0.4;  // of a step; chosen by hand
-constexpr double kDone = 0.01;        // [cells] a third of the corners' accuracy on large markers (0.03 cells)
+constexpr double kDone = 0.01;         // [cells] a third of the corners' accuracy on large markers (0.03 cells)
 // Enough to choose the blur, whose finest levels differ by as much. Chosen by hand; it saves time.
 constexpr double kRoughly = 0.05;  // [cells]
 // Chosen by hand; it saves time: a marker that is cut off so far does not show every bit, and is refused later.

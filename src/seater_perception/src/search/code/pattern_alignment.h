@@ -14,8 +14,8 @@ struct Alignment {
   static constexpr int kStartLevel = 6;
 
   int id = 0;
-  int level = kStartLevel;  ///< template blur level: index into TemplateBook::kTemplateSd
-  Quad quad;                ///< in the print's order [px]
+  int level = kStartLevel;       ///< template blur level: index into TemplateBook::kTemplateSd
+  Quad quad;                     ///< in the print's order [px]
   ImageLevels::Samples samples;  ///< under it; empty: not looked at yet
   PatternTemplate::Fit fit;
   std::shared_ptr<const PatternTemplate> own;  ///< in place of the book's: image moved, or print seen at a steep angle
@@ -43,8 +43,8 @@ class PatternAligner {
   bool hasBorder(const ImageLevels::Samples& samples) const;
   /// Something light within the border: dark patches, which are most of what has a border, do not.
   bool showsBits(const ImageLevels::Samples& samples) const;
-  /// From corners within about a third of a cell. False, and `a` of no use, when it is not there. `least`: part explained
-  /// by a rough fit, below which it is given up.
+  /// From corners within about a third of a cell. False, and `a` of no use, when it is not there. `least`: part
+  /// explained by a rough fit, below which it is given up.
   bool align(const ImageLevels& image, Alignment& a, double least = 0.0) const;
   /// The same for an image that moved by up to about 8 px during its exposure, in whatever direction.
   bool alignMotionBlurred(const ImageLevels& image, Alignment& a) const;

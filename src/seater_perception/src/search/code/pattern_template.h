@@ -31,8 +31,8 @@ class PatternGrid {
   std::vector<signed char> rings_;
 };
 
-/// What the points of a square grid of `along` points a side show (row by row from the top), in the order in which those
-/// of the print stand upright, of which corner `turn` is the grid's first.
+/// What the points of a square grid of `along` points a side show (row by row from the top), in the order in which
+/// those of the print stand upright, of which corner `turn` is the grid's first.
 Eigen::VectorXf turned(const Eigen::VectorXf& points, int along, int turn);
 
 /// What a round point spread function lets the points of a grid see, which is the same for all patterns: it blurs rows

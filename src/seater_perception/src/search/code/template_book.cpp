@@ -12,13 +12,13 @@ namespace {
 
 constexpr int kBlock = 16;  // codes at once: fourSumsOfColumns
 
-std::map<int, MarkerPattern> patternsOf(const MarkerFamily& family, const std::set<int>& ids) {
-  std::map<int, MarkerPattern> patterns;
+std::vector<int> idsOf(const MarkerFamily& family, const std::set<int>& wanted) {
+  std::vector<int> ids;
   for (int id = 0; id < family.count(); ++id) {
     // A dock may name what its family does not have: that is never found.
-    if (ids.empty() || ids.count(id)) patterns.emplace(id, family.pattern(id));
+    if (wanted.empty() || wanted.count(id)) ids.push_back(id);
   }
-  return patterns;
+  return ids;
 }
 
 using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -71,29 +71,36 @@ class AxisSums {
 }  // namespace
 
 TemplateBook::TemplateBook(const MarkerFamily& family, const std::set<int>& ids)
-    : patterns_(patternsOf(family, ids)), grid_(family.cells(), family.border()), border_(family.border()), light_(grid_.size(), 3) {
+    : family_(family),
+      ids_(idsOf(family, ids)),
+      grid_(family.cells(), family.border()),
+      border_(family.border()),
+      light_(grid_.size(), 3) {
   for (int row = 0, i = 0; row < grid_.along(); ++row) {
     for (int column = 0; column < grid_.along(); ++column, ++i) light_.row(i) << 1.0f, grid_.x(column), grid_.y(row);
   }
   light_.colwise().normalize();  // the grid is symmetric: they are orthogonal
   const int n = grid_.cells() - 2 * border_;
-  ink_.setZero((static_cast<Eigen::Index>(patterns_.size()) + kBlock - 1) / kBlock * kBlock, n * n);
-  for (const auto& [id, pattern] : patterns_) {
-    const auto k = static_cast<Eigen::Index>(ids_.size());
-    for (int row = 0; row < n; ++row) {
-      for (int column = 0; column < n; ++column) {
-        const double white = pattern.at(border_ + column, border_ + n - 1 - row);
-        ink_(k, row * n + column) = static_cast<float>(white - 1.0);
-      }
+  ink_.setZero((static_cast<Eigen::Index>(ids_.size()) + kBlock - 1) / kBlock * kBlock, n * n);
+  Eigen::Index k = 0;
+  for (const int id : ids_) {
+    Eigen::Index cell = 0;
+    for (const auto& row : family.code(id)) {
+      for (const int white : row) ink_(k, cell++) = white != 0 ? 0.0F : -1.0F;
     }
-    ids_.push_back(id);
+    ++k;
   }
+}
+
+const MarkerPattern& TemplateBook::pattern(int id) const {
+  const auto known = patterns_.find(id);
+  return known != patterns_.end() ? known->second : patterns_.emplace(id, family_.pattern(id)).first->second;
 }
 
 const PatternTemplate& TemplateBook::of(int id, int level) const {
   auto& place = templates_[{id, level}];
   if (!place) {
-    place = std::make_unique<PatternTemplate>(grid_, patterns_.at(id), round(level));
+    place = std::make_unique<PatternTemplate>(grid_, pattern(id), round(level));
   }
   return *place;
 }
@@ -135,7 +142,7 @@ Eigen::VectorXf TemplateBook::restOf(const ImageLevels::Samples& samples) const 
 std::vector<TemplateBook::Candidate> TemplateBook::compare(const ImageLevels::Samples& samples, int level,
                                                            std::size_t count) const {
   std::vector<Candidate> best;
-  if (patterns_.empty() || samples.seen == 0) return best;
+  if (ids_.empty() || samples.seen == 0) return best;
   const Eigen::VectorXf rest = restOf(samples);
   const float length = rest.norm();
   if (!(length > 0.0f) || !std::isfinite(length)) return best;

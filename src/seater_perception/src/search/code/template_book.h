@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <memory>
@@ -24,8 +25,8 @@ class TemplateBook {
   TemplateBook(const MarkerFamily& family, const std::set<int>& ids);
 
   const PatternGrid& grid() const { return grid_; }
-  const MarkerPattern& pattern(int id) const { return patterns_.at(id); }
-  bool has(int id) const { return patterns_.count(id) > 0; }
+  const MarkerPattern& pattern(int id) const;
+  bool has(int id) const { return std::binary_search(ids_.begin(), ids_.end(), id); }
   const PatternTemplate& of(int id, int level) const;
 
   /// A code in one of four orientations; `turn`: number of the print's corner that is the quadrilateral's first.
@@ -48,13 +49,14 @@ class TemplateBook {
   Eigen::VectorXf lengths(const Eigen::MatrixXf& shares) const;
   Eigen::VectorXf restOf(const ImageLevels::Samples& samples) const;
 
-  std::map<int, MarkerPattern> patterns_;
-  std::vector<int> ids_;  // of the patterns
+  MarkerFamily family_;
+  std::vector<int> ids_;  // that are looked for, ascending
   PatternGrid grid_;
   int border_;
   // A row for each id, as many more as make whole blocks, a column for each cell within the border (row by row from the
   // top): -1 where it is black, else 0.
   Eigen::MatrixXf ink_;
+  mutable std::map<int, MarkerPattern> patterns_;
   mutable std::map<std::pair<int, int>, std::unique_ptr<PatternTemplate>> templates_;
   mutable std::array<Blurred, kTemplateSd.size()> blurred_;
   mutable std::array<std::optional<RoundBlur>, kTemplateSd.size()> round_;

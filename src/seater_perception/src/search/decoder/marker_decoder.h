@@ -30,7 +30,7 @@ struct DecodedMarker {
   int template_level = -1;  ///< template blur level of the fitted code: index into TemplateBook::kTemplateSd
   /// Grey level of its ink, and of its paper over that; contrast 0: a part is covered, or there is motion blur.
   double dark = 0.0, contrast = 0.0;
-  bool steep = false;  ///< read with the blur of a print that is seen at a steep angle
+  bool steep = false;            ///< read with the blur of a print that is seen at a steep angle
   ImageLevels::Samples samples;  ///< under its corners; empty: something was left out
 };
 
@@ -51,8 +51,8 @@ class MarkerDecoder {
   ~MarkerDecoder();
   MarkerDecoder(MarkerDecoder&&) noexcept;
 
-  /// What is under a quadrilateral (clockwise in the image); nothing when too little of it is in the image, or it has no
-  /// dark border within lighter surroundings: there is no print.
+  /// What is under a quadrilateral (clockwise in the image); nothing when too little of it is in the image, or it has
+  /// no dark border within lighter surroundings: there is no print.
   std::optional<Sight> look(const ImageLevels& image, const Quad& quad) const;
 
   /// The code that is seen; nothing when there is less than

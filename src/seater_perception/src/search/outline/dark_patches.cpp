@@ -140,7 +140,7 @@ std::vector<DarkPatch> darkPatches(const cv::Mat& dark, double least_area) {
       candidates.back().rows.resize(static_cast<std::size_t>(box.bottom - box.top + 1));
     }
     candidates[static_cast<std::size_t>(here)].rows[static_cast<std::size_t>(run.row - box.top)].add(run.first,
-                                                                                                    run.end - 1);
+                                                                                                     run.end - 1);
   }
   std::vector<DarkPatch> result;
   for (const Candidate& c : candidates) result.push_back({c.first, convexHullOf(c.first.y, c.rows)});

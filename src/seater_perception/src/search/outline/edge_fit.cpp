@@ -119,7 +119,8 @@ bool collect(const cv::Mat& grey, const Side& side, double band, Samples& sample
     float *to_t = samples.t.data(), *to_s = samples.s.data(), *to_grey = samples.grey.data();
     const bool row_in = y >= 0 && y < grey.rows;
     const uchar* row = grey.ptr<uchar>(std::clamp(y, 0, grey.rows - 1));
-    const double t0 = dy * along_t.y() - side.middle.x() * along_t.x(), s0 = dy * outward.y() - side.middle.x() * outward.x();
+    const double t0 = dy * along_t.y() - side.middle.x() * along_t.x(),
+                 s0 = dy * outward.y() - side.middle.x() * outward.x();
     for (int x = x0; x <= x1; ++x) {
       const double t = t0 + x * along_t.x(), s = s0 + x * outward.x();
       const bool counts = !(std::abs(s - (offset[0] + t * (offset[1] + t * offset[2]))) > band);

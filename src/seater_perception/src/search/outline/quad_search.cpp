@@ -18,8 +18,8 @@ constexpr double kOutlineTolerance = 0.04;  // of the outline's length
 constexpr double kSolid = 0.75;             // fraction of the hull that the outline has to enclose
 constexpr double kLargestRatio = 6.0;       // of the longest to the shortest side: turned by 80 deg
 constexpr double kHullTolerance = 0.012;    // of the outline's length: hull vertices are merged within it
-constexpr double kShortestOutline = 2.5;   // [sides]
-constexpr double kCleared = 1.05;  // [sides] of a known marker, with the steps of its outline
+constexpr double kShortestOutline = 2.5;    // [sides]
+constexpr double kCleared = 1.05;           // [sides] of a known marker, with the steps of its outline
 // Within it, the decoder's fit comes from one to the other (it pulls from a third of a cell); chosen by hand.
 constexpr double kSamePart = 0.04, kSame = 1.0;  // [sides], [px]
 
