@@ -148,7 +148,7 @@ def test_wheels_that_spin_on_the_spot(make_world) -> None:
 
 def turning(make_world) -> tuple[World, Fault]:
     """A chair that has turned by 0.2 rad to see where its camera sits."""
-    world = make_world((-2.5, 0.0, 0.0), sequence={"installation_check": "on_the_way"})
+    world = make_world((-2.5, 0.0, 0.0), sequence={"installation_check": "on_the_way"}, **FINE)
     world.tick()
     world.sequence.start_dock(world.now)
     step = world.run(10.0, until=lambda step: abs(world.truth[2]) > 0.2)

@@ -29,7 +29,7 @@ class MarkerFamily {
   /// From data. `border`: width of the black border [cells]; `correctable_bits`: wrong bits of a code that OpenCV's
   /// search mends (search: opencv). Throws ConfigurationError when there is no code, or one is not a square of the
   /// first one's size.
-  MarkerFamily(const std::string& name, const std::vector<MarkerCode>& codes, int border, int correctable_bits);
+  MarkerFamily(const std::string& name, std::vector<MarkerCode> codes, int border, int correctable_bits);
 
   /// By its name, with or without DICT_, or by its file's path, which ends in .yaml or .yml. Throws ConfigurationError
   /// that begins with `key` for an unknown name, and as `load` does.

@@ -1,5 +1,7 @@
 #include "seater_perception/marker_family.h"
 
+#include <utility>
+
 #include "seater_perception/errors.h"
 
 namespace seater_perception {
@@ -28,8 +30,7 @@ void requireRange(int value, int low, int high, const std::string& key) {
 
 MarkerFamily::MarkerFamily() : data_(std::make_shared<Data>()) {}
 
-MarkerFamily::MarkerFamily(const std::string& name, const std::vector<MarkerCode>& codes, int border,
-                           int correctable_bits) {
+MarkerFamily::MarkerFamily(const std::string& name, std::vector<MarkerCode> codes, int border, int correctable_bits) {
   if (codes.empty()) throw ConfigurationError(name + "/codes: is empty, must have at least one code");
   const int bits = static_cast<int>(codes.front().size());
   requireRange(bits, kFewestBits, kMostBits, name + "/bits");
@@ -38,7 +39,7 @@ MarkerFamily::MarkerFamily(const std::string& name, const std::vector<MarkerCode
   for (std::size_t id = 0; id < codes.size(); ++id) {
     requireSquare(codes[id], codes.front().size(), name + "/codes[" + std::to_string(id) + "]");
   }
-  data_ = std::make_shared<Data>(Data{name, codes, bits, border, correctable_bits});
+  data_ = std::make_shared<Data>(Data{name, std::move(codes), bits, border, correctable_bits});
 }
 
 const std::string& MarkerFamily::name() const {

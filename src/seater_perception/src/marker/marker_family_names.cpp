@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <opencv2/aruco.hpp>
 #include <sstream>
+#include <utility>
 
 #include "seater_perception/errors.h"
 #include "seater_perception/marker_family.h"
@@ -53,9 +54,9 @@ MarkerFamily fromOpenCv(const std::string& name, int number) {
         cv::aruco::Dictionary::getBitsFromByteList(dictionary->bytesList.row(id), dictionary->markerSize);
     MarkerCode code;
     for (int row = 0; row < bits.rows; ++row) code.emplace_back(bits.ptr<uchar>(row), bits.ptr<uchar>(row) + bits.cols);
-    codes.push_back(code);
+    codes.push_back(std::move(code));
   }
-  return MarkerFamily(name, codes, 1, dictionary->maxCorrectionBits);
+  return MarkerFamily(name, std::move(codes), 1, dictionary->maxCorrectionBits);
 }
 
 bool isFamilyFile(const fs::path& path) {

@@ -1,5 +1,7 @@
 #include "numerics/column_products.h"
 
+#include <cstddef>
+
 #include "numerics/vector_clones.h"
 
 namespace seater_perception {
@@ -42,8 +44,41 @@ SEATER_VECTOR_CLONES void addColumnProducts(const float* columns, int column_str
   }
 }
 
-SEATER_VECTOR_CLONES void columnDots(const float* columns, int n, int size, const float* vector, float* products) {
-  eachDot(vector, columns, n, n, size, [products](int c, float product) { products[c] = product; });
+SEATER_VECTOR_CLONES void columnDots(const float* columns, int column_stride, int n, int size, const float* vector,
+                                     float* products) {
+  eachDot(vector, columns, column_stride, n, size, [products](int c, float product) { products[c] = product; });
+}
+
+SEATER_VECTOR_CLONES void fourSumsOfColumns(const float* columns, int n, int size, const float* weights, float* sums) {
+  constexpr int kBlock = 16;  // of each column, as much as four sums leave registers for
+  for (int first = 0; first < n; first += kBlock) {
+    float s0[kBlock] = {}, s1[kBlock] = {}, s2[kBlock] = {}, s3[kBlock] = {};
+    for (int c = 0; c < size; ++c) {
+      const float* column = columns + static_cast<std::ptrdiff_t>(c) * n + first;
+      const float w0 = weights[c], w1 = weights[size + c], w2 = weights[2 * size + c], w3 = weights[3 * size + c];
+      for (int i = 0; i < kBlock; ++i) {
+        s0[i] += w0 * column[i];
+        s1[i] += w1 * column[i];
+        s2[i] += w2 * column[i];
+        s3[i] += w3 * column[i];
+      }
+    }
+    for (int i = 0; i < kBlock; ++i) {
+      sums[first + i] = s0[i], sums[n + first + i] = s1[i];
+      sums[2 * n + first + i] = s2[i], sums[3 * n + first + i] = s3[i];
+    }
+  }
+}
+
+SEATER_VECTOR_CLONES int firstAbove(const float* values, int first, int end, float limit) {
+  constexpr int kBlock = 32;
+  for (; first + kBlock <= end; first += kBlock) {
+    int above = 0;
+    for (int i = 0; i < kBlock; ++i) above |= values[first + i] > limit ? 1 : 0;
+    if (above != 0) break;
+  }
+  while (first < end && !(values[first] > limit)) ++first;
+  return first;
 }
 
 }  // namespace seater_perception

@@ -138,7 +138,7 @@ void MarkerDetector::Implementation::searchNear(const ImageLevels& image, const 
   for (const ExpectedMarker& e : expected) {
     const auto decoded = own.decoder().decodeNear(e.id, image, e.corners, e.reach, e.min_evidence, e.template_level);
     std::optional<MarkerCorners> marker;
-    if (decoded) marker = own.inShadow(image, decoded->corners, decoded);
+    if (decoded) marker = own.inShadow(image, *decoded);
     if (!marker && decoded)
       marker = cornersOf(*decoded);
     else if (!marker && e.by_outline)

@@ -32,7 +32,10 @@ cv::Ptr<cv::aruco::Dictionary> dictionaryOf(const MarkerFamily& family) {
 }  // namespace
 
 OpenCvSearch::OpenCvSearch(const MarkerFamily& family, const std::set<int>& ids, const DetectorParameters& parameters)
-    : dictionary_(dictionaryOf(family)), border_(family.border()), ids_(ids), parameters_(parameters) {}
+    : dictionary_(parameters.search == "opencv" ? dictionaryOf(family) : nullptr),
+      border_(family.border()),
+      ids_(ids),
+      parameters_(parameters) {}
 
 std::vector<MarkerCorners> OpenCvSearch::find(const cv::Mat& grey) const {
   const DetectorParameters& p = parameters_;

@@ -70,13 +70,15 @@ OwnSearch::OwnSearch(const MarkerFamily& family, const DetectorParameters& param
 /// The marker that an outline may be of. `strong_shadows`: only what the edge of a shadow lies across, even of a strong
 /// one.
 std::optional<MarkerCorners> OwnSearch::read(const ImageLevels& image, const Quad& quad, bool strong_shadows) const {
+  const auto sight = decoder_.look(image, quad);
+  if (!sight) return std::nullopt;
   std::optional<DecodedMarker> decoded;
-  if (!strong_shadows) decoded = decoder_.decode(image, quad, parameters_.min_evidence);
-  std::optional<MarkerCorners> marker = inShadow(image, decoded ? decoded->corners : quad, decoded);
+  if (!strong_shadows) decoded = decoder_.decode(image, *sight, parameters_.min_evidence);
+  std::optional<MarkerCorners> marker = decoded ? inShadow(image, *decoded) : inShadow(image, *sight, nullptr);
   // What a strong shadow's edge crosses may be read so badly that its corners no longer show the shadow.
-  if (!marker && decoded && decoded->surplus < kDecades) marker = inShadow(image, quad, decoded);
+  if (!marker && decoded && decoded->surplus < kDecades) marker = inShadow(image, *sight, &*decoded);
   if (!marker && decoded) marker = cornersOf(*decoded);
-  if (!marker && !strong_shadows) marker = inGlare(image, quad);
+  if (!marker && !strong_shadows) marker = inGlare(image, *sight);
   return marker;
 }
 
@@ -115,13 +117,14 @@ void OwnSearch::addClose(const ImageLevels& image, const cv::Rect& region, const
   }
 }
 
-std::optional<MarkerCorners> OwnSearch::inGlare(const ImageLevels& image, const Quad& quad) const {
-  for (const auto& code : decoder_.inGlare(image, quad)) {
+/// What can be read once a lamp's mirror image on it is taken away.
+std::optional<MarkerCorners> OwnSearch::inGlare(const ImageLevels& image, const Sight& sight) const {
+  for (const auto& code : decoder_.inGlare(sight)) {
     const cv::Rect part = code.glare.region & cv::Rect(0, 0, image.grey().cols, image.grey().rows);
     if (part.width < kSmallestRegion || part.height < kSmallestRegion) continue;
     const Eigen::Vector2d origin(part.x, part.y);
     const cv::Mat lit = withoutGlare(image.grey()(part), {code.glare.seenFrom(origin)});
-    Quad there = quad;
+    Quad there = sight.quad;
     for (auto& corner : there) corner -= origin;
     auto decoded = decoder_.decode(ImageLevels(lit), there, parameters_.min_evidence + kCostOfGlare);
     if (!decoded || decoded->id != code.id) continue;
@@ -133,15 +136,21 @@ std::optional<MarkerCorners> OwnSearch::inGlare(const ImageLevels& image, const 
   return std::nullopt;
 }
 
-std::optional<MarkerCorners> OwnSearch::inShadow(const ImageLevels& image, const Quad& quad,
-                                                 const std::optional<DecodedMarker>& so_far) const {
-  const auto shadow = decoder_.shadowEdge(image, quad);
+std::optional<MarkerCorners> OwnSearch::inShadow(const ImageLevels& image, const DecodedMarker& so_far) const {
+  if (so_far.samples.grey.size() > 0) return inShadow(image, {so_far.corners, so_far.samples}, &so_far);
+  const auto sight = decoder_.look(image, so_far.corners);
+  return sight ? inShadow(image, *sight, &so_far) : std::nullopt;
+}
+
+std::optional<MarkerCorners> OwnSearch::inShadow(const ImageLevels& image, const Sight& sight,
+                                                 const DecodedMarker* so_far) const {
+  const auto shadow = decoder_.shadowEdge(sight);
   if (!shadow) return std::nullopt;
   const cv::Rect part = shadow->region & cv::Rect(0, 0, image.grey().cols, image.grey().rows);
   if (part.width < kSmallestRegion || part.height < kSmallestRegion) return std::nullopt;
   const Eigen::Vector2d origin(part.x, part.y);
   const cv::Mat lit = withoutShadows(image.grey()(part), {shadow->seenFrom(origin)});
-  Quad there = quad;
+  Quad there = sight.quad;
   for (auto& corner : there) corner -= origin;
   auto decoded = decoder_.decode(ImageLevels(lit), there, parameters_.min_evidence);
   if (!decoded || (so_far && (decoded->id != so_far->id || decoded->evidence < so_far->evidence))) return std::nullopt;

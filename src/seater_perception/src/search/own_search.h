@@ -28,15 +28,14 @@ class OwnSearch {
   std::vector<MarkerCorners> find(const ImageLevels& image, const cv::Rect& region, bool strong_shadows) const;
 
   /// What can be read, or better than so far, once a shadow's edge across it is taken away.
-  std::optional<MarkerCorners> inShadow(const ImageLevels& image, const Quad& quad,
-                                        const std::optional<DecodedMarker>& so_far) const;
-
-  /// What can be read once a lamp's mirror image on it is taken away.
-  std::optional<MarkerCorners> inGlare(const ImageLevels& image, const Quad& quad) const;
+  std::optional<MarkerCorners> inShadow(const ImageLevels& image, const DecodedMarker& so_far) const;
 
   const MarkerDecoder& decoder() const { return decoder_; }
 
  private:
+  std::optional<MarkerCorners> inShadow(const ImageLevels& image, const Sight& sight,
+                                        const DecodedMarker* so_far) const;
+  std::optional<MarkerCorners> inGlare(const ImageLevels& image, const Sight& sight) const;
   std::optional<MarkerCorners> read(const ImageLevels& image, const Quad& quad, bool strong_shadows) const;
   void addClose(const ImageLevels& image, const cv::Rect& region, const std::vector<Quad>& tried,
                 std::vector<MarkerCorners>& markers) const;

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <opencv2/imgproc.hpp>
 
 #include "numerics/vector_clones.h"
@@ -73,6 +75,7 @@ bool greyAt(const cv::Mat& image, const Eigen::Vector3f& p, float& grey) {
 
 // Enough for 15 cells a side (four points to a sample): larger families take the slower way, point by point.
 constexpr int kMostInRow = 64;
+constexpr int kWhole = 8;  // rows are filled up to a multiple of it
 
 /// Points of a row of the grid in the image: number of the upper left pixel, and how far beyond it.
 struct RowPlaces {
@@ -80,7 +83,8 @@ struct RowPlaces {
   alignas(64) int pixel[kMostInRow];
 };
 
-/// At H0 * x + across, for n points; false when one of them may be out of the image.
+/// At H0 * x + across, for n points; false when one of them may be out of the image, or among its last few pixels,
+/// where a word (below) would reach beyond it.
 SEATER_VECTOR_CLONES bool place(const float* x, int n, const float* H0, const float* across, int width, int height,
                                 int step, RowPlaces& __restrict places) {
   const float last_u = static_cast<float>(width) - 1.0f, last_v = static_cast<float>(height) - 1.0f;
@@ -89,8 +93,9 @@ SEATER_VECTOR_CLONES bool place(const float* x, int n, const float* H0, const fl
   for (int i = 0; i < n; ++i) {
     const float z = a2 * x[i] + b2, inverse = 1.0f / z;
     const float u = (a0 * x[i] + b0) * inverse, v = (a1 * x[i] + b1) * inverse;
+    const int word = static_cast<int>(u < last_u - 2.0f) | static_cast<int>(v < last_v - 1.0f);
     const int in = static_cast<int>(z > kNearestPlane) & static_cast<int>(u >= 0.0f) & static_cast<int>(v >= 0.0f) &
-                   static_cast<int>(u < last_u) & static_cast<int>(v < last_v);
+                   static_cast<int>(u < last_u) & static_cast<int>(v < last_v) & word;
     outside |= 1 - in;
     const float safe_u = in ? u : 0.0f, safe_v = in ? v : 0.0f;
     const int column = static_cast<int>(safe_u), row = static_cast<int>(safe_v);
@@ -101,13 +106,24 @@ SEATER_VECTOR_CLONES bool place(const float* x, int n, const float* H0, const fl
   return outside == 0;
 }
 
-/// Bilinear.
-float greyAt(const uchar* image, std::size_t step, const RowPlaces& places, int i) {
-  const uchar *top = image + places.pixel[i], *below = top + step;
-  const float s = places.s[i];
-  const float a = static_cast<float>(top[0]) + s * static_cast<float>(top[1] - top[0]);
-  const float b = static_cast<float>(below[0]) + s * static_cast<float>(below[1] - below[0]);
-  return a + places.t[i] * (b - a);
+/// Four pixels beside each other, of which two are looked at: one load instead of two.
+struct [[gnu::packed, gnu::may_alias]] Word {
+  std::uint32_t pixels;
+};
+
+/// Bilinear, n points.
+SEATER_VECTOR_CLONES void greyAt(const uchar* image, std::ptrdiff_t step, const RowPlaces& places, int n,
+                                 float* __restrict grey) {
+  const uchar* lower = image + step;
+  for (int i = 0; i < n; ++i) {
+    const std::uint32_t top = reinterpret_cast<const Word*>(image + places.pixel[i])->pixels;
+    const std::uint32_t below = reinterpret_cast<const Word*>(lower + places.pixel[i])->pixels;
+    const auto first = [](std::uint32_t word) { return static_cast<float>(static_cast<int>(word & 255U)); };
+    const auto second = [](std::uint32_t word) { return static_cast<float>(static_cast<int>((word >> 8U) & 255U)); };
+    const float a = first(top) + places.s[i] * (second(top) - first(top));
+    const float b = first(below) + places.s[i] * (second(below) - first(below));
+    grey[i] = a + places.t[i] * (b - a);
+  }
 }
 
 /// Samples under H, one point at each of the grid's or four round it (`apart` > 0).
@@ -116,28 +132,30 @@ class Sampler {
   Sampler(const cv::Mat& image, const Eigen::Matrix3f& H, const PatternGrid& grid, float apart)
       : image_(image), H_(H), grid_(grid), apart_(apart), several_(apart > 0.0f), length_(grid.along()) {
     if (several_) length_ *= 2;
-    for (int i = 0; i < std::min(length_, kMostInRow); ++i)
-      x_[i] = several_ ? grid.x(i / 2) + (i % 2 ? apart : -apart) : grid.x(i);
+    whole_ = (length_ + kWhole - 1) / kWhole * kWhole;
+    for (int i = 0; i < std::min(whole_, kMostInRow); ++i) {
+      const int at = std::min(i, length_ - 1);
+      x_[i] = several_ ? grid.x(at / 2) + (at % 2 ? apart : -apart) : grid.x(at);
+    }
   }
 
   /// A row that lies within the image as a whole; else false.
   bool whole(int row, float* grey) const {
     if (length_ > kMostInRow) return false;
-    const auto step = static_cast<std::size_t>(image_.step[0]);
+    const auto step = static_cast<std::ptrdiff_t>(image_.step[0]);
+    alignas(64) float lines[2][kMostInRow];
     for (int line = 0; line < (several_ ? 2 : 1); ++line) {
       const float y = grid_.y(row) + (several_ ? (line == 0 ? -apart_ : apart_) : 0.0f);
       const Eigen::Vector3f across = H_.col(1) * y + H_.col(2);
       RowPlaces places;
-      if (!place(x_, length_, H_.data(), across.data(), image_.cols, image_.rows, static_cast<int>(step), places))
+      if (!place(x_, whole_, H_.data(), across.data(), image_.cols, image_.rows, static_cast<int>(step), places))
         return false;
-      for (int k = 0; k < grid_.along(); ++k) {
-        if (!several_) {
-          grey[k] = greyAt(image_.data, step, places, k);
-        } else {
-          const float two = greyAt(image_.data, step, places, 2 * k) + greyAt(image_.data, step, places, 2 * k + 1);
-          grey[k] = line == 0 ? 0.25f * two : grey[k] + 0.25f * two;
-        }
-      }
+      greyAt(image_.data, step, places, whole_, lines[line]);
+    }
+    for (int k = 0; k < grid_.along(); ++k) {
+      const int i = 2 * k;
+      grey[k] =
+          several_ ? 0.25f * (lines[0][i] + lines[0][i + 1]) + 0.25f * (lines[1][i] + lines[1][i + 1]) : lines[0][k];
     }
     return true;
   }
@@ -161,7 +179,7 @@ class Sampler {
   const PatternGrid& grid_;
   const float apart_;
   const bool several_;
-  int length_;  // points in a line
+  int length_, whole_ = 0;  // points in a line; filled up
   float x_[kMostInRow];
 };
 

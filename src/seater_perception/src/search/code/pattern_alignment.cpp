@@ -15,9 +15,12 @@ constexpr double kSmallestStep = 6.0;  // [grey levels] between border and quiet
 // Of the quiet zone's lightness over the border, the lightest point of markers in photographs and drawn ones (5700;
 // thin white, steep) has 0.78 and more; of what else has a border in photographs, nine of ten have less than 0.05.
 constexpr float kLightestBit = 0.15f;
-constexpr int kSteps = 10;            // ends what does not converge
-constexpr double kLongestStep = 0.5;  // [cells] of a corner: the template is linear only so near
-constexpr double kDone = 0.01;        // [cells] a third of the corners' accuracy on large markers (0.03 cells)
+constexpr int kSteps = 10;             // ends what does not converge
+constexpr double kLongestStep = 0.5;   // [cells] of a corner: the template is linear only so near
+constexpr double kShortestPace = 0.4;  // of a step; chosen by hand
+constexpr double kDone = 0.01;         // [cells] a third of the corners' accuracy on large markers (0.03 cells)
+// Enough to choose the blur, whose finest levels differ by as much. Chosen by hand; it saves time.
+constexpr double kRoughly = 0.05;  // [cells]
 // Chosen by hand; it saves time: a marker that is cut off so far does not show every bit, and is refused later.
 constexpr int kFewestSeen = 60;  // [percent] of the samples
 // Of fewer pixels a cell, noise and a wrong code look like something that covers: images without markers reach an
@@ -67,18 +70,22 @@ struct Rings {
 };
 
 Rings ringsOf(const PatternGrid& grid, const ImageLevels::Samples& samples) {
-  float sum[3] = {}, count[3] = {};
+  const int along = grid.along(), border = grid.border();
+  const Eigen::Map<const Eigen::MatrixXf> grey(samples.grey.data(), along, along);
+  const Eigen::Map<const Eigen::MatrixXf> weights(samples.weights.data(), along, along);
+  // What lies within the outermost `ring` points.
+  const auto within = [along](const auto& points, int ring) {
+    return points.block(ring, ring, along - 2 * ring, along - 2 * ring);
+  };
+  const int bits = 1 + 2 * border;
+  const float print = within(grey, 1).sum(), seen = within(weights, 1).sum();
+  const float quiet_seen = weights.sum() - seen, border_seen = seen - within(weights, bits).sum();
   Rings rings;
-  for (int row = 0, i = 0; row < grid.along(); ++row) {
-    for (int column = 0; column < grid.along(); ++column, ++i) {
-      const int ring = grid.ring(row, column);
-      sum[ring] += samples.grey[i];
-      count[ring] += samples.weights[i];
-      if (ring == 2) rings.lightest = std::max(rings.lightest, samples.grey[i]);
-    }
-  }
-  rings.known = count[0] > 0.0f && count[1] > 0.0f;
-  if (rings.known) rings.quiet = sum[0] / count[0], rings.border = sum[1] / count[1];
+  rings.known = quiet_seen > 0.5f && border_seen > 0.5f;
+  if (!rings.known) return rings;
+  rings.quiet = (grey.sum() - print) / quiet_seen;
+  rings.border = (print - within(grey, bits).sum()) / border_seen;
+  rings.lightest = std::max(0.0f, within(grey, bits).maxCoeff());
   return rings;
 }
 
@@ -94,53 +101,83 @@ bool PatternAligner::showsBits(const ImageLevels::Samples& samples) const {
   return rings.known && rings.lightest - rings.border > kLightestBit * (rings.quiet - rings.border);
 }
 
-/// Gauss-Newton.
-bool PatternAligner::descend(const ImageLevels& image, Alignment& a) const {
-  static const Eigen::Vector2d kCorners[] = {{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}};
+namespace {
+
+Eigen::Vector2d corner(int i) {
+  return {i == 1 || i == 2 ? 1.0 : -1.0, i >= 2 ? 1.0 : -1.0};
+}
+
+/// How far each corner goes with a motion [half sides].
+Eigen::Matrix<double, 8, 1> cornersMoved(const Eigen::Matrix<double, 8, 1>& motion) {
+  Eigen::Matrix<double, 8, 1> moved;
+  for (int i = 0; i < 4; ++i) moved.segment<2>(2 * i) = PatternTemplate::moved(motion, corner(i)) - corner(i);
+  return moved;
+}
+
+/// Of a step, how much of it to go. Where edges are sharper in the image than in the template (aliased, sharpened), its
+/// gradient is too small and steps are up to twice too long: the fit would go to and fro. What the last step has
+/// changed of the next one tells (secant).
+double paceOf(const Eigen::Matrix<double, 8, 1>& last, double last_pace, const Eigen::Matrix<double, 8, 1>& next) {
+  const double growth = last.dot(last - next), of = last_pace * last.squaredNorm();
+  return growth > of ? std::max(kShortestPace, of / growth) : 1.0;
+}
+
+}  // namespace
+
+/// Gauss-Newton, until the next step is shorter than `done` [cells]. The fit is that of the samples.
+bool PatternAligner::descend(const ImageLevels& image, double done, Alignment& a) const {
   const PatternTemplate& pattern = templateOf(a);
   const double cell = 2.0 / book_.grid().cells();
+  Eigen::Matrix<double, 8, 1> last = Eigen::Matrix<double, 8, 1>::Zero();
+  double pace = 0.0;
   for (int step = 0; step < kSteps; ++step) {
-    if (!look(image, a)) return false;
+    if ((step > 0 || a.samples.grey.size() == 0) && !look(image, a)) return false;
     const auto fit = pattern.fit(a.samples.grey, a.weights(), true);
     if (!fit || !(fit->gain > 0.0) || (step > 2 && fit->explained < kHopeless)) return false;
     a.fit = *fit;
+    const Eigen::Matrix<double, 8, 1> next = cornersMoved(fit->motion);
+    pace = step > 0 ? paceOf(last, pace, next) : 1.0;
     double longest = 0.0;
-    for (const auto& c : kCorners) {
-      longest = std::max(longest, (PatternTemplate::moved(fit->motion, c) - c).norm() / cell);
-    }
-    if (longest < kDone) return true;
-    const Eigen::Matrix<double, 8, 1> motion = -std::min(1.0, kLongestStep / longest) * fit->motion;
+    for (int i = 0; i < 4; ++i) longest = std::max(longest, pace * next.segment<2>(2 * i).norm() / cell);
+    if (longest < done) return true;
+    if (longest > kLongestStep) pace *= kLongestStep / longest;
+    last = next;
     const SquareToQuad map(a.quad);
-    for (std::size_t i = 0; i < 4; ++i) a.quad[i] = map(PatternTemplate::moved(motion, kCorners[i]));
+    for (int i = 0; i < 4; ++i)
+      a.quad[static_cast<std::size_t>(i)] = map(PatternTemplate::moved(-pace * fit->motion, corner(i)));
     if (!(meanSide(a.quad) > 4.0 && meanSide(a.quad) < 1e5)) return false;
   }
-  return look(image, a);
+  if (!look(image, a)) return false;
+  const auto fit = pattern.fit(a.samples.grey, a.weights(), false);
+  if (fit) a.fit = *fit;
+  return fit && fit->gain > 0.0;
 }
 
-/// The level that explains most; false when it is the one at hand.
+/// The level that explains most, and its fit; false when it is the one at hand.
 bool PatternAligner::chooseLevel(Alignment& a) const {
   if (a.own) return false;
+  std::optional<PatternTemplate::Fit> fit;
   const auto explained = [&](int level) {
     if (level < 0 || level >= kLevels) return -1.0;
-    const auto fit = book_.of(a.id, level).fit(a.samples.grey, a.weights(), false);
+    fit = book_.of(a.id, level).fit(a.samples.grey, a.weights(), false);
     return fit && fit->gain > 0.0 ? fit->explained : -1.0;
   };
   const int before = a.level;
-  double best = explained(a.level);
   for (const int direction : {-1, 1}) {
-    for (double next; (next = explained(a.level + direction)) > best; best = next) a.level += direction;
+    while (explained(a.level + direction) > a.fit.explained) a.level += direction, a.fit = *fit;
   }
   return a.level != before;
 }
 
-bool PatternAligner::align(const ImageLevels& image, Alignment& a) const {
-  if (!descend(image, a)) return false;
-  for (int round = 0; round < 2 && chooseLevel(a); ++round) {
-    if (!descend(image, a)) return false;
+bool PatternAligner::align(const ImageLevels& image, Alignment& a, double least) const {
+  if (!descend(image, kRoughly, a)) return false;
+  for (int round = 0; round < 2; ++round) {
+    const bool changed = chooseLevel(a);
+    if (a.fit.explained < least) return false;
+    if (round > 0 && !changed) break;
+    if (!descend(image, kDone, a)) return false;
   }
-  const auto fit = templateOf(a).fit(a.samples.grey, a.weights(), false);
-  if (fit) a.fit = *fit;
-  return fit && fit->gain > 0.0;
+  return true;
 }
 
 double PatternAligner::worstBit(const Alignment& a) const {
@@ -176,6 +213,8 @@ bool PatternAligner::leaveOutCovered(Alignment& a) const {
   }
   const float covered = static_cast<float>(grid.size()) - free.sum();
   a.free = free;
+  a.samples.weights.array() *= free.array();
+  a.samples.grey.array() *= free.array();
   return covered > 0.0f && covered < kMostCovered * static_cast<float>(grid.size());
 }
 

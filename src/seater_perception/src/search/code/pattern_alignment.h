@@ -14,9 +14,9 @@ struct Alignment {
   static constexpr int kStartLevel = 6;
 
   int id = 0;
-  int level = kStartLevel;  ///< template blur level: index into TemplateBook::kTemplateSd
-  Quad quad;                ///< in the print's order [px]
-  ImageLevels::Samples samples;
+  int level = kStartLevel;       ///< template blur level: index into TemplateBook::kTemplateSd
+  Quad quad;                     ///< in the print's order [px]
+  ImageLevels::Samples samples;  ///< under it; empty: not looked at yet
   PatternTemplate::Fit fit;
   std::shared_ptr<const PatternTemplate> own;  ///< in place of the book's: image moved, or print seen at a steep angle
   bool moved = false;                          ///< of an image that moved
@@ -43,8 +43,9 @@ class PatternAligner {
   bool hasBorder(const ImageLevels::Samples& samples) const;
   /// Something light within the border: dark patches, which are most of what has a border, do not.
   bool showsBits(const ImageLevels::Samples& samples) const;
-  /// From corners within about a third of a cell. False, and `a` of no use, when it is not there.
-  bool align(const ImageLevels& image, Alignment& a) const;
+  /// From corners within about a third of a cell. False, and `a` of no use, when it is not there. `least`: part
+  /// explained by a rough fit, below which it is given up.
+  bool align(const ImageLevels& image, Alignment& a, double least = 0.0) const;
   /// The same for an image that moved by up to about 8 px during its exposure, in whatever direction.
   bool alignMotionBlurred(const ImageLevels& image, Alignment& a) const;
   /// The same for a print seen at a steep angle: what is round in the image is a long ellipse in cells. False, too,
@@ -57,7 +58,7 @@ class PatternAligner {
 
  private:
   const PatternTemplate& templateOf(const Alignment& a) const;
-  bool descend(const ImageLevels& image, Alignment& a) const;
+  bool descend(const ImageLevels& image, double done, Alignment& a) const;
   bool chooseLevel(Alignment& a) const;
   /// The best fit of a template blurred so in the image [px^2], from the quadrilateral of `a`.
   std::optional<Alignment> alignBlurred(const ImageLevels& image, const Alignment& a,

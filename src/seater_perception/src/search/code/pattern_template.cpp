@@ -1,10 +1,10 @@
 #include "search/code/pattern_template.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "marker/photometric_model.h"
+#include "numerics/column_products.h"
 #include "numerics/normal.h"
 
 namespace seater_perception {
@@ -34,61 +34,97 @@ double fractionAlong(double sd) {
   return normalDistribution((1.0 - kQuarter) / sd) - normalDistribution(-kQuarter / sd);
 }
 
-/// What the grid's points (rows) see of the cells (columns) along one axis, the quiet zone's first and last; and how
-/// that changes with the point.
-struct AxisShares {
-  Eigen::MatrixXd value, slope;
-  AxisShares(const PatternGrid& grid, double sd) : value(grid.along(), grid.cells() + 2), slope(value) {
-    for (int point = 0; point < grid.along(); ++point) {
-      const double at = 0.5 * grid.cells() * (1.0 + grid.x(point));
-      const auto line = [at, sd](int border) { return (border - at) / sd; };
-      double before = normalDistribution(line(-1)), density = normalDensity(line(-1));
-      for (int cell = -1; cell <= grid.cells(); ++cell) {
-        const double after = normalDistribution(line(cell + 1)), next = normalDensity(line(cell + 1));
-        value(point, cell + 1) = after - before;
-        slope(point, cell + 1) = (density - next) / sd;
-        before = after, density = next;
-      }
-    }
-  }
-};
-
-/// What blackens a cell: -1 where the pattern is black; `ring`: where its quiet zone begins instead. From the top.
-Eigen::MatrixXd inkOf(const MarkerPattern& pattern, bool ring) {
+/// What blackens a cell: -1 where the pattern is black. From the top, with the quiet zone.
+Eigen::MatrixXd inkOf(const MarkerPattern& pattern) {
   const int n = pattern.cells(), last = n + 1;
   Eigen::MatrixXd ink(n + 2, n + 2);
   for (int row = 0; row <= last; ++row) {
-    for (int column = 0; column <= last; ++column) {
-      const bool outside = row == 0 || column == 0 || row == last || column == last;
-      ink(row, column) = ring ? (outside ? -1.0 : 0.0) : pattern.at(column - 1, n - row) - 1.0;
-    }
+    for (int column = 0; column <= last; ++column) ink(row, column) = pattern.at(column - 1, n - row) - 1.0;
   }
   return ink;
+}
+
+/// L^-1 of the lower triangle of what L L' is, damped (addColumnProducts gives the upper one by rows, which is that).
+/// Not finite where it is not positive.
+PatternTemplate::Triangle inverseFactor(PatternTemplate::Triangle normal) {
+  normal.diagonal() *= 1.0 + kDamping;
+  constexpr int n = PatternTemplate::kColumns;
+  PatternTemplate::Triangle L = PatternTemplate::Triangle::Zero(), inverse = L;
+  for (int j = 0; j < n; ++j) {
+    const double pivot = std::sqrt(normal(j, j) - L.row(j).squaredNorm());
+    L(j, j) = pivot;
+    for (int i = j + 1; i < n; ++i) L(i, j) = (normal(i, j) - L.row(i).dot(L.row(j))) / pivot;
+  }
+  for (int j = 0; j < n; ++j) {
+    inverse(j, j) = 1.0 / L(j, j);
+    for (int i = j + 1; i < n; ++i) {
+      double sum = 0.0;
+      for (int k = j; k < i; ++k) sum += L(i, k) * inverse(k, j);
+      inverse(i, j) = -sum / L(i, i);
+    }
+  }
+  return inverse;
+}
+
+/// As addColumnProducts wants it.
+Eigen::Index padded(int count) {
+  constexpr int kStep = 16;
+  return (count + kStep - 1) / kStep * kStep;
 }
 
 }  // namespace
 
 PatternGrid::PatternGrid(int cells, int border) : cells_(cells), border_(border), along_(2 * cells + 2) {
   for (int i = 0; i < along_; ++i) at_.push_back(static_cast<float>((-kQuarter + 0.5 * i) * 2.0 / cells - 1.0));
+  for (int row = 0; row < along_; ++row) {
+    for (int column = 0; column < along_; ++column) {
+      const int nearest = std::min({row, column, along_ - 1 - row, along_ - 1 - column});
+      rings_.push_back(nearest == 0 ? 0 : nearest <= 2 * border ? 1 : 2);
+    }
+  }
 }
 
-int PatternGrid::ring(int row, int column) const {
-  const int nearest = std::min({row, column, along_ - 1 - row, along_ - 1 - column});
-  return nearest == 0 ? 0 : nearest <= 2 * border_ ? 1 : 2;
+Eigen::VectorXf turned(const Eigen::VectorXf& points, int along, int turn) {
+  if (turn == 0) return points;
+  Eigen::VectorXf upright(points.size());
+  const int last = along - 1;
+  for (int row = 0, i = 0; row < along; ++row) {
+    for (int column = 0; column < along; ++column, ++i) {
+      const int r[] = {row, column, last - row, last - column};
+      const int c[] = {column, last - row, last - column, row};
+      upright[r[turn] * along + c[turn]] = points[i];
+    }
+  }
+  return upright;
 }
 
-/// A round point spread function blurs rows and columns by themselves.
-PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, double psf_sd)
-    : columns_(grid.size(), kColumns), own_fraction_(std::pow(fractionAlong(psf_sd), 2)) {
-  const AxisShares shares(grid, psf_sd);
-  const Eigen::MatrixXd ink = inkOf(pattern, false), down = shares.value * ink;
-  const Eigen::MatrixXd value = down * shares.value.transpose(), by_u = down * shares.slope.transpose();
-  const Eigen::MatrixXd by_v = (shares.slope * ink).eval() * shares.value.transpose();
-  const Eigen::MatrixXd quiet = (shares.value * inkOf(pattern, true)).eval() * shares.value.transpose();
+RoundBlur::RoundBlur(const PatternGrid& grid, double psf_sd)
+    : value(grid.along(), grid.cells() + 2), slope(value), own_fraction(std::pow(fractionAlong(psf_sd), 2)) {
+  for (int point = 0; point < grid.along(); ++point) {
+    const double at = 0.5 * grid.cells() * (1.0 + grid.x(point));
+    const auto line = [at, psf_sd](int border) { return (border - at) / psf_sd; };
+    double before = normalDistribution(line(-1)), density = normalDensity(line(-1));
+    for (int cell = -1; cell <= grid.cells(); ++cell) {
+      const double after = normalDistribution(line(cell + 1)), next = normalDensity(line(cell + 1));
+      value(point, cell + 1) = after - before;
+      slope(point, cell + 1) = (density - next) / psf_sd;
+      before = after, density = next;
+    }
+  }
+  Eigen::MatrixXd dark = Eigen::MatrixXd::Constant(grid.cells() + 2, grid.cells() + 2, 1.0);
+  dark.block(1, 1, grid.cells(), grid.cells()).setZero();
+  quiet = (value * dark).eval() * value.transpose();
+}
+
+PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, const RoundBlur& blur)
+    : columns_(Columns::Zero(padded(grid.size()), kColumns)), points_(grid.size()), own_fraction_(blur.own_fraction) {
+  const Eigen::MatrixXd ink = inkOf(pattern), down = blur.value * ink;
+  const Eigen::MatrixXd value = down * blur.value.transpose(), by_u = down * blur.slope.transpose();
+  const Eigen::MatrixXd by_v = (blur.slope * ink).eval() * blur.value.transpose();
   const double half = 0.5 * grid.cells();
-  for (int row = 0; row < grid.along(); ++row) {
-    for (int column = 0; column < grid.along(); ++column) {
-      setRow(grid, row, column, 1.0 + value(row, column), -quiet(row, column), half * by_u(row, column),
+  for (int column = 0; column < grid.along(); ++column) {
+    for (int row = 0; row < grid.along(); ++row) {
+      setRow(grid, row, column, 1.0 + value(row, column), blur.quiet(row, column), half * by_u(row, column),
              half * by_v(row, column));
     }
   }
@@ -96,7 +132,7 @@ PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& p
 }
 
 PatternTemplate::PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, const Eigen::Matrix2d& psf)
-    : columns_(grid.size(), kColumns) {
+    : columns_(Columns::Zero(padded(grid.size()), kColumns)), points_(grid.size()) {
   const double sx = std::sqrt(psf(0, 0)), sy = std::sqrt(psf(1, 1)), rho = -psf(0, 1) / (sx * sy);  // pattern: y up
   own_fraction_ = fractionAlong(sx) * fractionAlong(sy);
   const MarkerPattern dark = withDarkRing(pattern);
@@ -121,9 +157,10 @@ void PatternTemplate::setRow(const PatternGrid& grid, int row, int column, doubl
 }
 
 void PatternTemplate::factorise() {
-  Triangle normal = (columns_.transpose() * columns_).cast<double>();
-  normal.diagonal() *= 1.0 + kDamping;
-  all_ = normal.llt().matrixL();
+  double sum[kColumns * kColumns] = {};  // of a row-major triangle on the right
+  const int rows = static_cast<int>(columns_.rows());
+  addColumnProducts(columns_.data(), rows, rows, kColumns, sum, kColumns);
+  all_ = inverseFactor(Eigen::Map<const Triangle>(sum));
 }
 
 Eigen::Vector2d PatternTemplate::moved(const Eigen::Matrix<double, 8, 1>& m, const Eigen::Vector2d& p) {
@@ -137,47 +174,48 @@ Eigen::VectorXf PatternTemplate::grey(const Fit& fit) const {
   for (std::size_t k = 0; k < 3; ++k) c[static_cast<Eigen::Index>(k)] = static_cast<float>(fit.light[k]);
   c[kGain] = static_cast<float>(fit.gain);
   c[kQuiet] = static_cast<float>(fit.quiet);
-  return columns_.leftCols<kQuiet + 1>() * c;
+  return columns_.topLeftCorner(points_, kQuiet + 1).lazyProduct(c);
 }
 
 std::optional<PatternTemplate::Fit> PatternTemplate::fit(const Eigen::VectorXf& samples, const Eigen::VectorXf* weights,
                                                          bool with_motion) const {
-  Eigen::Matrix<double, kColumns, 1> b;
-  double squares = 0.0;
+  constexpr int kFixed = kQuiet + 1;
+  const int used = with_motion ? kColumns : kFixed;  // those before them do not depend on the motions' columns
   Triangle some;
-  const Triangle* L = &all_;
+  const Triangle* W = &all_;
+  Eigen::VectorXf seen;
   if (weights) {
     if (weights->sum() < kFewest * kColumns) return std::nullopt;
-    const Columns weighted = weights->asDiagonal() * columns_;
-    some = (weighted.transpose() * columns_).cast<double>();
-    some.diagonal() *= 1.0 + kDamping;
-    const Eigen::LLT<Triangle> factor(some);
-    if (factor.info() != Eigen::Success) return std::nullopt;
-    some = factor.matrixL();
-    L = &some;
-    b = (weighted.transpose() * samples).cast<double>();
-    squares = static_cast<double>(samples.cwiseAbs2().dot(*weights));
-  } else {
-    b = (columns_.transpose() * samples).cast<double>();
-    squares = static_cast<double>(samples.squaredNorm());
+    const Columns weighted = weights->asDiagonal() * columns_.topRows(points_);
+    some = inverseFactor((weighted.transpose() * columns_.topRows(points_)).cast<double>());
+    if (!some.allFinite()) return std::nullopt;
+    W = &some;
+    seen = samples.cwiseProduct(*weights);
   }
+  const Eigen::VectorXf& counted = weights ? seen : samples;
+  Eigen::Matrix<float, kColumns, 1> products = Eigen::Matrix<float, kColumns, 1>::Zero();
+  columnDots(columns_.data(), static_cast<int>(columns_.rows()), static_cast<int>(points_), used, counted.data(),
+             products.data());
+  const Eigen::Matrix<double, kColumns, 1> b = products.cast<double>();
   // Each element of z is what its column takes away from the root of the squares, after those before it.
-  const Eigen::Matrix<double, kColumns, 1> z = L->triangularView<Eigen::Lower>().solve(b);
-  const double varying = squares - z.head<kGain>().squaredNorm();
+  Eigen::Matrix<double, kColumns, 1> z = Eigen::Matrix<double, kColumns, 1>::Zero();
+  if (with_motion)
+    z = W->lazyProduct(b);
+  else
+    z.head<kFixed>() = W->topLeftCorner<kFixed, kFixed>().lazyProduct(b.head<kFixed>());
+  const double varying = static_cast<double>(counted.dot(samples)) - z.head<kGain>().squaredNorm();
   Fit fit;
   if (!(varying > 0.0)) return std::nullopt;
   fit.explained = z.segment<2>(kGain).squaredNorm() / varying;
-  Eigen::Matrix<double, kColumns, 1> c = Eigen::Matrix<double, kColumns, 1>::Zero();
-  constexpr int kFixed = kQuiet + 1;
-  c.head<kFixed>() =
-      L->topLeftCorner<kFixed, kFixed>().triangularView<Eigen::Lower>().transpose().solve(z.head<kFixed>());
+  const Eigen::Matrix<double, kFixed, 1> c =
+      W->topLeftCorner<kFixed, kFixed>().transpose().lazyProduct(z.head<kFixed>());
   fit.gain = c[kGain];
   fit.quiet = c[kQuiet];
   for (int k = 0; k < kGain; ++k) fit.light[static_cast<std::size_t>(k)] = c[k];
   if (with_motion) {
-    c = L->triangularView<Eigen::Lower>().transpose().solve(z);
-    if (!(std::abs(c[kGain]) > kSmallestGain)) return std::nullopt;
-    fit.motion = c.tail<8>() / c[kGain];
+    const Eigen::Matrix<double, kColumns, 1> all = W->transpose().lazyProduct(z);
+    if (!(std::abs(all[kGain]) > kSmallestGain)) return std::nullopt;
+    fit.motion = all.tail<8>() / all[kGain];
     if (!fit.motion.allFinite()) return std::nullopt;
   }
   return fit;

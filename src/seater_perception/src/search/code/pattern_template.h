@@ -17,16 +17,34 @@ class PatternGrid {
   explicit PatternGrid(int cells, int border = 1);
 
   int cells() const { return cells_; }
+  int border() const { return border_; }
   int along() const { return along_; }  ///< points along a side
   int size() const { return along_ * along_; }
   float x(int column) const { return at_[static_cast<std::size_t>(column)]; }
   float y(int row) const { return at_[static_cast<std::size_t>(row)]; }
   /// 0: quiet zone, 1: border, 2: within.
-  int ring(int row, int column) const;
+  int ring(int row, int column) const { return rings_[static_cast<std::size_t>(row * along_ + column)]; }
 
  private:
   int cells_, border_, along_;
   std::vector<float> at_;
+  std::vector<signed char> rings_;
+};
+
+/// What the points of a square grid of `along` points a side show (row by row from the top), in the order in which
+/// those of the print stand upright, of which corner `turn` is the grid's first.
+Eigen::VectorXf turned(const Eigen::VectorXf& points, int along, int turn);
+
+/// What a round point spread function lets the points of a grid see, which is the same for all patterns: it blurs rows
+/// and columns by themselves.
+struct RoundBlur {
+  /// `psf_sd`: standard deviation [cells].
+  RoundBlur(const PatternGrid& grid, double psf_sd);
+
+  Eigen::MatrixXd value;      ///< what the points (rows) see of the cells along one axis, the quiet zone's with them
+  Eigen::MatrixXd slope;      ///< how that changes with the point [1/cell]
+  Eigen::MatrixXd quiet;      ///< of the quiet zone, in each point of the grid
+  double own_fraction = 0.0;  ///< PatternTemplate::ownFraction
 };
 
 /// A pattern as a camera of a given point spread function sees it at the points of the grid, and how that changes when
@@ -39,9 +57,8 @@ class PatternTemplate {
   using Columns = Eigen::Matrix<float, Eigen::Dynamic, kColumns>;
   using Triangle = Eigen::Matrix<double, kColumns, kColumns>;
 
-  /// `psf_sd`: standard deviation of the point spread function [cells].
-  PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, double psf_sd);
-  /// `psf_covariance`: the same with motion blur [cells^2], x right, y down.
+  PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, const RoundBlur& blur);
+  /// `psf_covariance`: of the point spread function, the same with motion blur [cells^2], x right, y down.
   PatternTemplate(const PatternGrid& grid, const MarkerPattern& pattern, const Eigen::Matrix2d& psf_covariance);
 
   /// Fraction of a cell's own brightness that remains in its four points: what its bit changes there.
@@ -69,9 +86,10 @@ class PatternTemplate {
   void setRow(const PatternGrid& grid, int row, int column, double value, double quiet, double by_x, double by_y);
   void factorise();
 
-  Columns columns_;
+  Columns columns_;  // zero beyond the grid's points
+  Eigen::Index points_;
   double own_fraction_ = 0.0;
-  Triangle all_;  // Cholesky factor of columns' * columns
+  Triangle all_;  // inverse of the Cholesky factor of columns' * columns
 };
 
 }  // namespace seater_perception

@@ -123,6 +123,10 @@ std::optional<ShadowEdge> findShadowEdge(const PatternGrid& grid, const ImageLev
                                          const Quad& quad) {
   const std::vector<RingSample> ring = ringOf(grid, samples);
   if (ring.size() < 4 * kFewest) return std::nullopt;
+  // No two groups of them differ by more than the lightest and the darkest.
+  const auto darker = [](const RingSample& a, const RingSample& b) { return a.grey < b.grey; };
+  const auto [darkest, lightest] = std::minmax_element(ring.begin(), ring.end(), darker);
+  if (!(darkest->grey < kWeakest * lightest->grey)) return std::nullopt;
   const Levels levels = divide(ring);
   if (!(levels.light > 0.0) || levels.explained < kDivided) return std::nullopt;
   ShadowEdge shadow;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -23,8 +25,8 @@ class TemplateBook {
   TemplateBook(const MarkerFamily& family, const std::set<int>& ids);
 
   const PatternGrid& grid() const { return grid_; }
-  const MarkerPattern& pattern(int id) const { return patterns_.at(id); }
-  bool has(int id) const { return patterns_.count(id) > 0; }
+  const MarkerPattern& pattern(int id) const;
+  bool has(int id) const { return std::binary_search(ids_.begin(), ids_.end(), id); }
   const PatternTemplate& of(int id, int level) const;
 
   /// A code in one of four orientations; `turn`: number of the print's corner that is the quadrilateral's first.
@@ -40,16 +42,24 @@ class TemplateBook {
   /// What a level's point spread function makes of the codes.
   struct Blurred {
     Eigen::MatrixXf shares;    ///< of each cell (column) in the grid's points (row) along one axis
-    Eigen::VectorXf unlength;  ///< one over each code's length, slopes of the light taken off
+    Eigen::VectorXf unlength;  ///< one over each code's length, slopes of the light taken off; `ink_`'s rows
   };
   const Blurred& blurred(int level) const;
+  const RoundBlur& round(int level) const;
+  Eigen::VectorXf lengths(const Eigen::MatrixXf& shares) const;
+  Eigen::VectorXf restOf(const ImageLevels::Samples& samples) const;
 
-  std::map<int, MarkerPattern> patterns_;
-  std::vector<int> ids_;  // of the patterns
+  MarkerFamily family_;
+  std::vector<int> ids_;  // that are looked for, ascending
   PatternGrid grid_;
-  Eigen::MatrixXf ink_;  // a column for each id: -1 where a cell is black, else 0; row by row from the top
+  int border_;
+  // A row for each id, as many more as make whole blocks, a column for each cell within the border (row by row from the
+  // top): -1 where it is black, else 0.
+  Eigen::MatrixXf ink_;
+  mutable std::map<int, MarkerPattern> patterns_;
   mutable std::map<std::pair<int, int>, std::unique_ptr<PatternTemplate>> templates_;
   mutable std::array<Blurred, kTemplateSd.size()> blurred_;
+  mutable std::array<std::optional<RoundBlur>, kTemplateSd.size()> round_;
   Eigen::Matrix<float, Eigen::Dynamic, 3> light_;  // orthonormal: offset and slopes
 };
 

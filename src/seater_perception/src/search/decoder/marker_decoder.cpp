@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "search/code/pattern_alignment.h"
 #include "search/code/template_book.h"
@@ -18,6 +19,7 @@ constexpr double kWorthFittingInGlare = 0.6;
 constexpr int kGlareLevel = 4;          // template blur level for that
 constexpr double kClearlyBetter = 0.2;  // of correlation: a code so much less likely than the best is not
 constexpr double kWorthFitting = 0.5;   // correlation before the fit
+constexpr double kPerhapsCode = 0.7;    // part explained by a rough fit
 // What true markers and images without markers reach: the table "Evidence of a code" in docs/results/perception.md, and
 // perception_range (false detections, far end).
 constexpr double kSmallestMargin = 0.045;  // of correlation, over the next best code
@@ -50,6 +52,7 @@ struct MarkerDecoder::Implementation {
   PatternAligner aligner;
   EvidenceRule evidence;
 
+  Alignment candidate(const Sight& sight, const TemplateBook::Candidate& code) const;
   std::optional<DecodedMarker> judge(const ImageLevels& image, const EvidenceThreshold& threshold,
                                      const Alignment& a) const;
   std::optional<DecodedMarker> settle(const ImageLevels& image, const EvidenceThreshold& threshold, Alignment& a) const;
@@ -58,6 +61,17 @@ struct MarkerDecoder::Implementation {
   std::optional<DecodedMarker> motionBlurred(const ImageLevels& image, const EvidenceThreshold& threshold,
                                              const Alignment& still) const;
 };
+
+/// Where a code begins that a sight may be of: the samples are the same, in another order.
+Alignment MarkerDecoder::Implementation::candidate(const Sight& sight, const TemplateBook::Candidate& code) const {
+  Alignment a;
+  a.id = code.id;
+  a.quad = printed(sight.quad, code.turn);
+  const int along = book.grid().along();
+  a.samples = {turned(sight.samples.grey, along, code.turn), turned(sight.samples.weights, along, code.turn),
+               sight.samples.seen};
+  return a;
+}
 
 /// Code, margin and bits of an aligned pattern.
 std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(const ImageLevels& image,
@@ -91,6 +105,7 @@ std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(const ImageLev
     decoded.surplus -= cost;
   }
   if (decoded.surplus < 0.0) return std::nullopt;
+  if (a.free.size() == 0) decoded.samples = a.samples;
   return decoded;
 }
 
@@ -130,27 +145,25 @@ int MarkerDecoder::cells() const {
   return implementation_->book.grid().cells();
 }
 
-std::optional<ShadowEdge> MarkerDecoder::shadowEdge(const ImageLevels& image, const Quad& quad) const {
+std::optional<Sight> MarkerDecoder::look(const ImageLevels& image, const Quad& quad) const {
   const PatternAligner& aligner = implementation_->aligner;
   Alignment a;
   a.quad = quad;
   if (!aligner.look(image, a) || !aligner.hasBorder(a.samples)) return std::nullopt;
-  return findShadowEdge(implementation_->book.grid(), a.samples, quad);
+  return Sight{quad, std::move(a.samples)};
 }
 
-std::vector<MarkerDecoder::CodeInGlare> MarkerDecoder::inGlare(const ImageLevels& image, const Quad& quad) const {
+std::optional<ShadowEdge> MarkerDecoder::shadowEdge(const Sight& sight) const {
+  return findShadowEdge(implementation_->book.grid(), sight.samples, sight.quad);
+}
+
+std::vector<MarkerDecoder::CodeInGlare> MarkerDecoder::inGlare(const Sight& sight) const {
   const Implementation& self = *implementation_;
   std::vector<CodeInGlare> codes;
-  Alignment start;
-  start.quad = quad;
-  if (!self.aligner.look(image, start) || !self.aligner.hasBorder(start.samples)) return codes;
-  if (!mayHaveGlare(self.book.grid(), start.samples)) return codes;
-  for (const auto& candidate : self.book.compare(start.samples, Alignment::kStartLevel, kCandidatesInGlare)) {
+  if (!mayHaveGlare(self.book.grid(), sight.samples)) return codes;
+  for (const auto& candidate : self.book.compare(sight.samples, Alignment::kStartLevel, kCandidatesInGlare)) {
     if (candidate.correlation < kWorthFittingInGlare) break;
-    Alignment a;
-    a.id = candidate.id;
-    a.quad = printed(quad, candidate.turn);
-    if (!self.aligner.look(image, a)) continue;
+    const Alignment a = self.candidate(sight, candidate);
     const auto glare = findGlare(self.book.grid(), a.samples, self.book.of(a.id, kGlareLevel), a.quad);
     if (glare) codes.push_back({a.id, *glare});
   }
@@ -159,19 +172,20 @@ std::vector<MarkerDecoder::CodeInGlare> MarkerDecoder::inGlare(const ImageLevels
 
 std::optional<DecodedMarker> MarkerDecoder::decode(const ImageLevels& image, const Quad& quad,
                                                    double min_evidence) const {
+  const auto sight = look(image, quad);
+  return sight ? decode(image, *sight, min_evidence) : std::nullopt;
+}
+
+std::optional<DecodedMarker> MarkerDecoder::decode(const ImageLevels& image, const Sight& sight,
+                                                   double min_evidence) const {
   const Implementation& self = *implementation_;
+  if (!self.aligner.showsBits(sight.samples)) return std::nullopt;
   const EvidenceThreshold threshold = self.evidence.anywhere(min_evidence);
-  Alignment start;
-  start.quad = quad;
-  if (!self.aligner.look(image, start) || !self.aligner.hasBorder(start.samples)) return std::nullopt;
-  if (!self.aligner.showsBits(start.samples)) return std::nullopt;
-  const auto likely = self.book.compare(start.samples, Alignment::kStartLevel, kCandidates);
+  const auto likely = self.book.compare(sight.samples, Alignment::kStartLevel, kCandidates);
   for (const auto& candidate : likely) {
     if (candidate.correlation < std::max(kWorthFitting, likely[0].correlation - kClearlyBetter)) break;
-    Alignment a;
-    a.id = candidate.id;
-    a.quad = printed(quad, candidate.turn);
-    if (!self.aligner.align(image, a)) continue;
+    Alignment a = self.candidate(sight, candidate);
+    if (!self.aligner.align(image, a, kPerhapsCode)) continue;
     const Alignment round = a;
     // When another code is as likely, that is seen here too.
     if (const auto decoded = self.settle(image, threshold, a)) return decoded;

@@ -30,7 +30,14 @@ struct DecodedMarker {
   int template_level = -1;  ///< template blur level of the fitted code: index into TemplateBook::kTemplateSd
   /// Grey level of its ink, and of its paper over that; contrast 0: a part is covered, or there is motion blur.
   double dark = 0.0, contrast = 0.0;
-  bool steep = false;  ///< read with the blur of a print that is seen at a steep angle
+  bool steep = false;            ///< read with the blur of a print that is seen at a steep angle
+  ImageLevels::Samples samples;  ///< under its corners; empty: something was left out
+};
+
+/// What the image shows under a quadrilateral.
+struct Sight {
+  Quad quad;
+  ImageLevels::Samples samples;
 };
 
 /// Compares quadrilaterals with the codes of a family. Grey levels are taken at four points of each cell and in the
@@ -44,20 +51,26 @@ class MarkerDecoder {
   ~MarkerDecoder();
   MarkerDecoder(MarkerDecoder&&) noexcept;
 
-  /// The code that a quadrilateral (clockwise in the image) shows; nothing when there is less than
+  /// What is under a quadrilateral (clockwise in the image); nothing when too little of it is in the image, or it has
+  /// no dark border within lighter surroundings: there is no print.
+  std::optional<Sight> look(const ImageLevels& image, const Quad& quad) const;
+
+  /// The code that is seen; nothing when there is less than
   /// `min_evidence` (of DICT_4X4_50; less for families whose codes are rarer), when another code is about as likely, or
   /// when a bit contradicts. Of a large marker, a part of border and quiet zone may be covered.
+  std::optional<DecodedMarker> decode(const ImageLevels& image, const Sight& sight, double min_evidence) const;
+  /// The same of a quadrilateral that has not been looked at.
   std::optional<DecodedMarker> decode(const ImageLevels& image, const Quad& quad, double min_evidence) const;
 
   /// The edge of a shadow across what may be a print here, as its quiet zone shows it.
-  std::optional<ShadowEdge> shadowEdge(const ImageLevels& image, const Quad& quad) const;
+  std::optional<ShadowEdge> shadowEdge(const Sight& sight) const;
 
   /// Glare on what may be a print here, and its id, most likely first.
   struct CodeInGlare {
     int id;
     Glare glare;
   };
-  std::vector<CodeInGlare> inGlare(const ImageLevels& image, const Quad& quad) const;
+  std::vector<CodeInGlare> inGlare(const Sight& sight) const;
 
   /// A known code whose corners are about here (in the print's order), at most `reach` [px] away (0: only what the fit
   /// itself reaches, about a third of a cell). `template_level`: of the last image, tried first; -1: not known.

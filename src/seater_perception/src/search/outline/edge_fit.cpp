@@ -1,6 +1,5 @@
 #include "search/outline/edge_fit.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -32,6 +31,8 @@ constexpr double kDark = 0.1;  // fraction of the samples that are darker than w
 // They end what does not converge.
 constexpr int kSteps = 12, kPasses = 3;
 constexpr double kDone = 1e-3;  // [px] a hundredth of the corners' accuracy
+// Where the band is moved to the edge next. Steps shrink tenfold each: what is left then is near kDone.
+constexpr double kNearlyDone = 0.01;  // [px]
 // Farther than 1.5 half bands, the edge was not in the band to begin with; the rest is chosen by hand.
 constexpr double kLargestMove = 1.5, kSmallMove = 0.6;  // of a corner in one pass, in half bands
 // All pixels of a side up to 300 px with a half band of 4 px; beyond, time (perception_speed) is saved at no loss that
@@ -44,16 +45,16 @@ constexpr double kFarthest = 1e6;     // [px] no image is so large
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
+constexpr int kChunk = 128, kStep = 16;  // samples at a time; of the last ones, as addColumnProducts wants them
+
 /// Pixels of the band round a side.
 struct Samples {
-  std::vector<float> t, s, grey;  // t from -1 to 1 along the side, s [px] outwards
+  std::vector<float> t, s, grey;  // t from -1 to 1 along the side, s [px] outwards; longer than `count`
+  std::size_t count = 0;
 
-  void resize(std::size_t count) { t.resize(count), s.resize(count), grey.resize(count); }
-  std::size_t size() const { return t.size(); }
-  void set(std::size_t i, double along, double outwards, uchar value) {
-    t[i] = static_cast<float>(along);
-    s[i] = static_cast<float>(outwards);
-    grey[i] = static_cast<float>(value);
+  void holdAtLeast(std::size_t most) {
+    if (t.size() >= most) return;
+    for (auto* values : {&t, &s, &grey}) values->resize(2 * most);
   }
 };
 
@@ -102,6 +103,8 @@ bool collect(const cv::Mat& grey, const Side& side, double band, Samples& sample
   // Odd: an even one would take the same columns of every row.
   const int stride = static_cast<int>(4.0 * side.half * band / kSamples) | 1;
   int number = 0;
+  const Eigen::Vector2d along_t = side.along / side.half, outward = side.outward;  // copies: no look at memory
+  const Eigen::Vector3d offset = side.offset;
   for (int y = y0; y <= y1; ++y) {
     double first = side.middle.x() - side.half - margin, last = side.middle.x() + side.half + margin;
     const double dy = y - side.middle.y();
@@ -112,22 +115,25 @@ bool collect(const cv::Mat& grey, const Side& side, double band, Samples& sample
     const int x0 = static_cast<int>(std::ceil(first)), x1 = static_cast<int>(std::floor(last));
     if (x1 < x0) continue;
     // All of the row are written, and what does not count is written over: cheaper than to ask first.
-    const std::size_t most_here = count + static_cast<std::size_t>(x1 - x0) + 1;
-    if (samples.size() < most_here) samples.resize(2 * most_here);
+    samples.holdAtLeast(count + static_cast<std::size_t>(x1 - x0) + 1 + kChunk);
+    float *to_t = samples.t.data(), *to_s = samples.s.data(), *to_grey = samples.grey.data();
     const bool row_in = y >= 0 && y < grey.rows;
     const uchar* row = grey.ptr<uchar>(std::clamp(y, 0, grey.rows - 1));
+    const double t0 = dy * along_t.y() - side.middle.x() * along_t.x(),
+                 s0 = dy * outward.y() - side.middle.x() * outward.x();
     for (int x = x0; x <= x1; ++x) {
-      const double dx = x - side.middle.x();
-      const double t = (dx * side.along.x() + dy * side.along.y()) / side.half;
-      const double s = dx * side.outward.x() + dy * side.outward.y();
-      const bool counts = !(std::abs(s - side.at(t)) > band), in = row_in && x >= 0 && x < grey.cols;
+      const double t = t0 + x * along_t.x(), s = s0 + x * outward.x();
+      const bool counts = !(std::abs(s - (offset[0] + t * (offset[1] + t * offset[2]))) > band);
+      const bool in = row_in && x >= 0 && x < grey.cols;
       if (counts && !in) return false;
       if (stride > 1 && counts && ++number % stride != 0) continue;
-      samples.set(count, t, s, in ? row[x] : 0);
+      to_t[count] = static_cast<float>(t);
+      to_s[count] = static_cast<float>(s);
+      to_grey[count] = in ? static_cast<float>(row[x]) : 0.0F;
       count += counts ? 1 : 0;
     }
   }
-  samples.resize(count);
+  samples.count = count;
   return count >= 16;
 }
 
@@ -137,15 +143,15 @@ using Step = Vector6d;
 /// From the samples' mean, which tells how much of the band is light: the edge's place, here and along the side.
 Step start(const Side& side, const Samples& samples, double band) {
   std::array<int, 256> counts{};
-  for (const float grey : samples.grey) ++counts[static_cast<std::size_t>(grey)];
+  for (std::size_t i = 0; i < samples.count; ++i) ++counts[static_cast<std::size_t>(samples.grey[i])];
   const auto at = [&](double fraction) {
-    int before = static_cast<int>(fraction * static_cast<double>(samples.size() - 1)), grey = 0;
+    int before = static_cast<int>(fraction * static_cast<double>(samples.count - 1)), grey = 0;
     while ((before -= counts[static_cast<std::size_t>(grey)]) >= 0) ++grey;
     return static_cast<double>(grey);
   };
   const double dark = at(kDark), light = std::max(dark + 1.0, at(1.0 - kDark));
   double n = 0.0, t = 0.0, tt = 0.0, y = 0.0, ty = 0.0;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
+  for (std::size_t i = 0; i < samples.count; ++i) {
     const double light_part = std::clamp((samples.grey[i] - dark) / (light - dark), 0.0, 1.0);
     const double inwards = band * (1.0 - 2.0 * light_part), along = samples.t[i];
     n += 1.0, t += along, tt += along * along, y += inwards, ty += along * inwards;
@@ -157,7 +163,6 @@ Step start(const Side& side, const Samples& samples, double band) {
   return p;
 }
 
-constexpr int kChunk = 128;
 constexpr int kRows = 7;  // six derivatives, the residual
 
 /// Derivatives of the step's grey levels and residuals of n samples; zero from `count` on.
@@ -180,19 +185,17 @@ SEATER_VECTOR_CLONES void compare(const float* t, const float* s, const float* g
 }
 
 /// Normal equations of the step at p; the residuals' squares are the last diagonal element.
-Eigen::Matrix<double, kRows, kRows> equations(Samples& samples, const Step& step) {
+Eigen::Matrix<double, kRows, kRows> equations(const Samples& samples, const Step& step) {
   float p[6];
   for (int k = 0; k < 6; ++k) p[k] = static_cast<float>(step[k]);
   double sum[kRows][kRows] = {};
-  const int count = static_cast<int>(samples.size()), padded = (count + kChunk - 1) / kChunk * kChunk;
-  for (auto* values : {&samples.t, &samples.s, &samples.grey}) values->resize(static_cast<std::size_t>(padded));
+  const int count = static_cast<int>(samples.count);
   alignas(64) float rows[kRows][kChunk];
   for (int first = 0; first < count; first += kChunk) {
-    compare(samples.t.data() + first, samples.s.data() + first, samples.grey.data() + first,
-            std::min(kChunk, count - first), kChunk, p, rows);
-    addColumnProducts(rows[0], kChunk, kChunk, kRows, sum[0], kRows);
+    const int here = std::min(kChunk, count - first), n = (here + kStep - 1) / kStep * kStep;
+    compare(samples.t.data() + first, samples.s.data() + first, samples.grey.data() + first, here, n, p, rows);
+    addColumnProducts(rows[0], kChunk, n, kRows, sum[0], kRows);
   }
-  for (auto* values : {&samples.t, &samples.s, &samples.grey}) values->resize(static_cast<std::size_t>(count));
   Eigen::Matrix<double, kRows, kRows> result;
   for (int i = 0; i < kRows; ++i) {
     for (int j = i; j < kRows; ++j) result(i, j) = result(j, i) = sum[i][j];
@@ -200,14 +203,31 @@ Eigen::Matrix<double, kRows, kRows> equations(Samples& samples, const Step& step
   return result;
 }
 
+/// x with A x = b, A positive definite (L D L'); not finite where it is not.
+Vector6d solvedPositive(Matrix6d A, Vector6d b) {
+  for (int k = 0; k < 6; ++k) {
+    const double inverse = 1.0 / A(k, k);
+    for (int i = k + 1; i < 6; ++i) {
+      const double l = A(i, k) * inverse;
+      for (int j = k + 1; j <= i; ++j) A(i, j) -= l * A(j, k);
+      b[i] -= l * b[k];
+    }
+  }
+  for (int i = 5; i >= 0; --i) {
+    for (int k = i + 1; k < 6; ++k) b[i] -= A(k, i) * b[k];
+    b[i] /= A(i, i);
+  }
+  return b;
+}
+
 /// One Gauss-Newton fit of the step to the samples, rms residual [grey levels]; false when it does not look like an
 /// edge.
-bool fitStep(Samples& samples, bool bent, double band, Step& step, double& residual) {
+bool fitStep(const Samples& samples, bool bent, double band, double done, Step& step, double& residual) {
   for (int i = 0; i < kSteps; ++i) {
     const auto all = equations(samples, step);
     Matrix6d A = all.topLeftCorner<6, 6>();
     Vector6d g = all.topRightCorner<6, 1>();
-    residual = std::sqrt(all(6, 6) / static_cast<double>(samples.size()));
+    residual = std::sqrt(all(6, 6) / static_cast<double>(samples.count));
     if (!bent) {
       A.row(2).setZero();
       A.col(2).setZero();
@@ -215,13 +235,13 @@ bool fitStep(Samples& samples, bool bent, double band, Step& step, double& resid
       g[2] = 0.0;
     }
     A.diagonal() += 1e-6 * A.diagonal() + Vector6d::Constant(1e-9);
-    Vector6d change = A.ldlt().solve(g);
+    Vector6d change = solvedPositive(A, g);
     if (!change.allFinite()) return false;
     const double largest = change.head<3>().cwiseAbs().maxCoeff();
     if (largest > 0.5 * band) change *= 0.5 * band / largest;
     step += change;
     step[5] = std::clamp(step[5], 0.2, band);
-    if (largest < kDone) break;
+    if (largest < done) break;
   }
   const double contrast = 2.0 * step[4];
   return contrast > kSmallestContrast && residual < kLargestResidual * contrast;
@@ -236,7 +256,7 @@ bool fitSide(const cv::Mat& grey, double band, Side& side) {
   for (int round = 0; round < 3; ++round) {
     if (!collect(grey, side, band, samples)) return false;
     if (round == 0) step = start(side, samples, band);
-    if (!fitStep(samples, bent, band, step, side.residual)) return false;
+    if (!fitStep(samples, bent, band, round == 0 ? kNearlyDone : kDone, step, side.residual)) return false;
     const Eigen::Vector3d moved = step.head<3>() - side.offset;
     side.offset = step.head<3>();
     if (side.offset.cwiseAbs().maxCoeff() > 3.0 * band + 1.0) return false;

@@ -1,13 +1,20 @@
 #pragma once
 
+#include <limits>
 #include <opencv2/core.hpp>
 #include <vector>
 
 namespace seater_perception {
 
-/// Convex hull of an outline's pixels, corners only, once round. As cv::convexHull, but in the time of one look at each
-/// pixel: pixels come from few rows, whose first and last ones are enough, and which are sorted by counting. Empty for
-/// an empty outline.
-std::vector<cv::Point> convexHullOf(const std::vector<cv::Point>& outline);
+/// Where the pixels of a row begin and end.
+struct RowExtent {
+  int first = std::numeric_limits<int>::max(), last = std::numeric_limits<int>::min();
+
+  void add(int from, int to) { first = std::min(first, from), last = std::max(last, to); }
+};
+
+/// Convex hull of the pixels of rows one below the other, the first one `top`; none may be empty. Corners only, once
+/// round, as cv::convexHull, but in the time of one look at each row.
+std::vector<cv::Point> convexHullOf(int top, const std::vector<RowExtent>& rows);
 
 }  // namespace seater_perception

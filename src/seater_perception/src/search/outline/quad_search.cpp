@@ -5,7 +5,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "search/outline/outline_hull.h"
+#include "search/outline/dark_patches.h"
 
 namespace seater_perception {
 namespace {
@@ -18,9 +18,8 @@ constexpr double kOutlineTolerance = 0.04;  // of the outline's length
 constexpr double kSolid = 0.75;             // fraction of the hull that the outline has to enclose
 constexpr double kLargestRatio = 6.0;       // of the longest to the shortest side: turned by 80 deg
 constexpr double kHullTolerance = 0.012;    // of the outline's length: hull vertices are merged within it
-// The outline runs through dark pixels: in the image's outermost row, what lies beyond is not seen.
-constexpr int kBorder = 1;         // [px]
-constexpr double kCleared = 1.05;  // [sides] of a known marker, with the steps of its outline
+constexpr double kShortestOutline = 2.5;    // [sides]
+constexpr double kCleared = 1.05;           // [sides] of a known marker, with the steps of its outline
 // Within it, the decoder's fit comes from one to the other (it pulls from a third of a cell); chosen by hand.
 constexpr double kSamePart = 0.04, kSame = 1.0;  // [sides], [px]
 
@@ -61,6 +60,10 @@ bool reduceToFour(std::vector<Eigen::Vector2d>& hull) {
   return hull.size() == 4;
 }
 
+double leastArea(double min_side) {
+  return 0.5 * min_side * min_side;
+}
+
 double areaOf(const Quad& q) {
   return 0.5 * cross(q[2] - q[0], q[3] - q[1]);
 }
@@ -85,15 +88,15 @@ bool fromOutline(const std::vector<cv::Point>& outline, Quad& quad) {
   return true;
 }
 
-/// Quadrilaterals that an outline may be meant as: none, one or two.
-void toQuads(const std::vector<cv::Point>& outline, double min_side, std::vector<Quad>& quads) {
-  // Negative: once round a hole, light within dark.
-  const double area = -cv::contourArea(outline, true), least = 0.5 * min_side * min_side;
-  if (area < kSolid * least) return;
-  std::vector<cv::Point> corners = convexHullOf(outline);
-  if (corners.size() < 4) return;
+/// Quadrilaterals that a patch may be meant as: none, one or two.
+void toQuads(const cv::Mat& dark, const DarkPatch& patch, double min_side, std::vector<Quad>& quads) {
+  if (patch.hull.size() < 4) return;
+  std::vector<cv::Point> corners = patch.hull;
   const double hull_area = cv::contourArea(corners);
-  if (hull_area < least || area < kSolid * hull_area) return;
+  if (hull_area < leastArea(min_side)) return;
+  const std::vector<cv::Point> outline = outlineOf(dark, patch.first);
+  if (static_cast<double>(outline.size()) < kShortestOutline * min_side) return;
+  if (cv::contourArea(outline) < kSolid * hull_area) return;
   if (corners.size() > 12) {
     std::vector<cv::Point> fewer;
     cv::approxPolyDP(corners, fewer, kHullTolerance * static_cast<double>(outline.size()), true);
@@ -129,16 +132,9 @@ std::vector<Quad> findQuads(const cv::Mat& grey, const QuadSearch& search, const
   if (grey.cols < 5 || grey.rows < 5) return quads;
   cv::Mat dark = darkPixels(grey, search);
   for (const Quad& quad : known) clear(quad, dark);
-  std::vector<std::vector<cv::Point>> outlines;
-  cv::findContours(dark, outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
-  const auto least = static_cast<std::size_t>(2.5 * search.min_side);
-  for (const auto& outline : outlines) {
-    if (outline.size() < least) continue;
-    const cv::Rect box = cv::boundingRect(outline);
-    if (box.x < kBorder || box.y < kBorder || box.br().x > grey.cols - kBorder || box.br().y > grey.rows - kBorder)
-      continue;
-    toQuads(outline, search.min_side, quads);
-  }
+  // The outline runs through dark pixels: in the image's outermost row, what lies beyond is not seen.
+  for (const DarkPatch& patch : darkPatches(dark, leastArea(search.min_side)))
+    toQuads(dark, patch, search.min_side, quads);
   return quads;
 }
 
