@@ -23,3 +23,4 @@ class Contradiction:
 
     kind: Kind
     text: str  # what, with numbers, and what may be the cause
+    on_the_spot: bool = False  # BLOCKED in a turn on the spot, of which few images say little

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,13 +28,10 @@ from seater_nmpc.observe.measurement import Measurement, difference
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import ObserverParameters
 from seater_nmpc.plausibility.castors import Castors
+from seater_nmpc.plausibility.knowledge import PRIOR, SERIES, SLIPS, InstallationError, Knowledge, nothing_known
 
 Array = NDArray[np.float64]
 
-NAMES = ("the camera's x", "the camera's y", "the camera's yaw", "focal length or print size")
-KEYS = ("mount_x", "mount_y", "mount_yaw", "depth")  # the same, short
-PRIOR = np.array([0.03, 0.03, 0.03, 0.05])  # standard deviations before anything was measured
-_SLIPS = (0.15, 0.4, 1.0, 4.0)
 # Standard deviations of constant errors of the odometry (scale, turning scale, turn per metre), whatever is configured:
 # what is not told of it must not look like a wrong installation.
 _CONSTANT = (0.04, 0.04, 0.04)
@@ -62,13 +59,6 @@ _CHANGED = 40.0  # chi-square with 4 degrees of freedom; floors are not quite wh
 _FEWEST = 20  # images that a docking has to have used to be remembered
 # Standard deviations by which an installation may change from one docking to the next: so dockings long ago fade.
 _FADES = np.array([0.001, 0.001, 0.0005, 0.002])
-# Over dockings, what patches of floor and castors did in one of them is no longer taken for the installation: of 64 in
-# series of 8 without a fault none was beyond 2.3 standard deviations, so from the fourth docking on fewer are certain.
-_SERIES, _SURER = 4, 0.8
-# [m, m, rad] What many dockings without turns leave unknown of where the docked chair stands: castors and slip do the
-# same in each of them, so it does not average out. With a camera 30 mm ahead (25 mm aside), eight dockings of each of
-# three chairs found what was up to 22 mm (20 mm) off, with standard deviations of 8 to 9 mm (4 to 5 mm).
-_TOGETHER = np.array([0.02, 0.02, 0.0])
 # What is wrong shows by the filter of the next larger slip, too, with 0.41 of the certainty at least (six made-up
 # installations); a worn chair on one-sided patches, which stood right, with 0.35 of 5.1 (commissioning, seed 1027).
 _STAYS = 0.38
@@ -80,70 +70,6 @@ _PLACES = (0, 1)  # indices into NAMES
 _DOCKED = np.zeros(3)  # the dock in base_link, of a docked chair
 
 
-@dataclass(frozen=True)
-class Knowledge:
-    """What dockings so far have shown of the installation, by each filter."""
-
-    dockings: int
-    values: Array  # (k, 4) of NAMES
-    covariances: Array  # (k, 4, 4)
-    turned: bool = False  # for it, at two places: CHECK_INSTALLATION
-
-
-def without_turns(spread: Array) -> Array:
-    """What is unknown (3, 3) of where the docked chair stands, by dockings none of which has turned to see."""
-    least = np.diag(np.square(_TOGETHER)) * (np.diag(spread) < np.square(_TOGETHER))
-    return spread + least - np.diag(np.diag(spread)) * (least > 0.0)
-
-
-def nothing_known() -> Knowledge:
-    """Before the first docking."""
-    k = len(_SLIPS)
-    return Knowledge(0, np.zeros((k, 4)), np.tile(np.diag(PRIOR**2), (k, 1, 1)))
-
-
-@dataclass(frozen=True)
-class InstallationError:
-    """What the docking, and those before it, found."""
-
-    values: Array  # (4,) of NAMES
-    noise: Array  # (4, 4) covariance that these values have where the installation is right
-    effects: Array  # (3, 4) of each on where the docked chair stands, or the dock is: x, y [m], heading [rad]
-    spread: Array  # (3, 3) covariance of that by what is still unknown
-    dockings: int = 0  # before this one
-
-    @property
-    def final(self) -> Array:
-        """By which the docked chair is off because of all of them, x, y [m], heading [rad] (3,)."""
-        return np.asarray(self.effects.sum(axis=1))
-
-    @property
-    def suspect(self) -> int:
-        """Index into NAMES of the value that is farthest from right, in standard deviations."""
-        return int(np.argmax(self._sure))
-
-    def is_wrong(self, limits: Array, certainty: float) -> bool:
-        """Whether one value, or all together, surely lead to a final error beyond the limits (3,) [m, m, rad].
-
-        `certainty`: standard deviations that the value, or the error, is from zero, in a first docking.
-        """
-        certainty *= _SURER if self.dockings + 1 >= _SERIES else 1.0
-        alone = (np.abs(self.effects) > limits[:, None]) & (self._sure > certainty)
-        per_value = self.effects / np.where(self.values == 0.0, 1.0, self.values)
-        sds = np.sqrt(np.diag(per_value @ self.noise @ per_value.T)) + 1e-9
-        together = (np.abs(self.final) > limits) & (np.abs(self.final) > certainty * sds)
-        return bool(np.any(alone) or np.any(together))
-
-    @property
-    def certainty(self) -> float:
-        """Of the value that is farthest from right, in standard deviations."""
-        return float(np.max(self._sure))
-
-    @property
-    def _sure(self) -> Array:
-        return np.asarray(np.abs(self.values) / np.sqrt(np.diag(self.noise) + 1e-12))
-
-
 class Installation:
     """Of one goal after another: `restart`, `add` what each image shows, ask for the `error`, `learn`."""
 
@@ -153,7 +79,7 @@ class Installation:
         self._normal = float(np.mean([marker.normal_yaw for marker in dock.markers]))
         self._constant = np.diag(np.square([*_CONSTANT, parameters.gyro_bias_sd]))
         self._slip_turn_noise = parameters.slip_turn_noise
-        self._drifts = [Drift(parameters, slip, both=True) for slip in _SLIPS]
+        self._drifts = [Drift(parameters, slip, both=True) for slip in SLIPS]
         self.known = nothing_known()
         self.begun = 0  # how often it has begun anew
         self.restart()
@@ -164,13 +90,13 @@ class Installation:
         self._last: Instant | None = None
         self._used = 0
         self._headings = (0.0, 0.0)  # [rad] least and most, from the first image on
-        self._evidence = np.zeros(len(_SLIPS))
+        self._evidence = np.zeros(len(SLIPS))
         self._follow_anew(self.known.values, self.known.covariances)
 
     def interrupt(self) -> None:
         """The chair may have been moved anyhow: keep what was found, and follow the dock anew."""
         if self._last is not None:
-            found = [self._found(i) for i in range(len(_SLIPS))]
+            found = [self._found(i) for i in range(len(SLIPS))]
             self._follow_anew(np.stack([values for values, _ in found]), np.stack([P for _, P in found]))
 
     def _follow_anew(self, values: Array, covariances: Array) -> None:
@@ -236,14 +162,14 @@ class Installation:
         see; what such a docking has shown no other one wears away."""
         if self._used < _FEWEST or self.error() is None:
             return
-        found, dockings = [self._alone(i) for i in range(len(_SLIPS))], 1
+        found, dockings = [self._alone(i) for i in range(len(SLIPS))], 1
         if self._mildest(found, 0).is_wrong(limits, certainty):
             return
         if not self._has_changed():
             if self.known.turned and not turned:
                 self.known = replace(self.known, covariances=self.known.covariances + np.diag(_FADES**2))
                 return
-            found, dockings = [self._found(i) for i in range(len(_SLIPS))], self.known.dockings + 1
+            found, dockings = [self._found(i) for i in range(len(SLIPS))], self.known.dockings + 1
         values: Array = np.stack([one for one, _ in found])
         self.known = Knowledge(dockings, values, np.stack([P for _, P in found]) + np.diag(_FADES**2), turned)
 
@@ -253,7 +179,7 @@ class Installation:
         base_link."""
         if self._best is None:
             return None
-        return self._mildest([self._found(i) for i in range(len(_SLIPS))], self.known.dockings, dock)
+        return self._mildest([self._found(i) for i in range(len(SLIPS))], self.known.dockings, dock)
 
     def likeliest(self, dock: Array = _DOCKED) -> InstallationError | None:
         """By the filter that explains the images best: before a goal has driven far, all explain them, and the mildest
@@ -305,7 +231,7 @@ class Installation:
         straight = self._headings[1] - self._headings[0] < _STRAIGHT and errors[best].suspect in _PLACES
         stays = (_STAYS_STRAIGHT if straight else _STAYS) * errors[best].certainty
         vanishes = slipping.certainty < stays  # with more slip: then it may be slip
-        return slipping if vanishes and dockings + 1 < _SERIES else errors[best]
+        return slipping if vanishes and dockings + 1 < SERIES else errors[best]
 
     def _error_by(self, values: Array, P: Array, dockings: int, dock: Array = _DOCKED) -> InstallationError:
         model, B = np.diag(np.square(_MODEL)), self._effect(dock)

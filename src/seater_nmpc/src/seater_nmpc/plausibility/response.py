@@ -174,7 +174,6 @@ class Response:
             if min(asked) >= least or max(asked) <= -least:
                 unit = ("m/s", "rad/s")[axis]
                 text = f"stood for {p.blocked_time:.1f} s though {asked[0]:.2f} {unit} is asked for"
-                return Contradiction(
-                    Kind.BLOCKED, f"{text} (something in the way, a wheel stuck, motors off, or odometry frozen?)"
-                )
+                text += " (something in the way, a wheel stuck, motors off, or odometry frozen?)"
+                return Contradiction(Kind.BLOCKED, text, on_the_spot=axis == 1)
         return None

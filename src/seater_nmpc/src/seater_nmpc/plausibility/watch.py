@@ -20,8 +20,9 @@ from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Contradiction, Kind
 from seater_nmpc.plausibility.image_motion import CLOCKS, Shown, contradiction, speeds_by_images
 from seater_nmpc.plausibility.image_turn import turn_contradicts
-from seater_nmpc.plausibility.installation import KEYS, NAMES, Installation, Knowledge, without_turns
+from seater_nmpc.plausibility.installation import Installation
 from seater_nmpc.plausibility.jump import Shift, sudden
+from seater_nmpc.plausibility.knowledge import KEYS, NAMES, Knowledge, without_turns
 from seater_nmpc.plausibility.markers import Markers
 from seater_nmpc.plausibility.response import Response
 
@@ -253,9 +254,9 @@ class Watch:
             moves = None if speeds is None else contradiction(speeds, strict)
             if moves is not None:
                 return moves
-        ahead = "m/s" in found.text  # there the images so far tell; a chair that pushes ahead is to be named at once
-        decides = ahead or (bool(shown) and shown[-1][0].stamp >= since - _RECENT)
-        return found if decides or now - since >= _LATEST else None
+        recent = bool(shown) and shown[-1][0].stamp >= since - _RECENT
+        # Ahead the images so far tell: a chair that pushes is to be named at once.
+        return found if recent or not found.on_the_spot or now - since >= _LATEST else None
 
     def _place(self) -> Contradiction | None:
         elsewhere = self._observer.elsewhere
