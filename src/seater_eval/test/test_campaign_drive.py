@@ -103,6 +103,7 @@ def test_a_start_that_does_not_exist_is_said() -> None:
     assert row["result"] == "NO_START" and "in view" in row["text"]
 
 
+@pytest.mark.extensive  # the independent chair's wrong installations run by default
 def test_a_wrongly_mounted_camera_ends_beside_the_dock() -> None:
     """The simulated chair's camera looks 2 degrees to the left of what the controller is told. One attempt."""
     turned = {"simulated_chair": {"camera": {"yaw": math.radians(2.0)}}, "controller": {"sequence": {"max_retries": 0}}}

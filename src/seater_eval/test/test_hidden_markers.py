@@ -34,7 +34,10 @@ def shown(camera: Camera, pose: np.ndarray, index: int, corners: np.ndarray) -> 
     return float(np.mean(np.abs(plain - covered)[mask > 0] > 2))
 
 
-@pytest.mark.parametrize("obstacles", [[], [BOX]], ids=["walls", "walls and a box"])
+@pytest.mark.parametrize(
+    "obstacles",
+    [pytest.param([], marks=pytest.mark.extensive, id="walls"), pytest.param([BOX], id="walls and a box")],
+)
 def test_hidden_as_in_rendered_images(setup: Setup, obstacles: list[Obstacle]) -> None:
     """At random poses, of every marker that is wholly in the image; both kinds come often."""
     settings = CameraSettings(exposure=0.0)
