@@ -3,9 +3,8 @@
 
 Every test is registered with CMake by the package that it belongs to (gtest, pytest, rostest, evaluation, lint,
 install), so `ctest --test-dir build` runs the same. This program chooses, shows progress, and sums the cases of all
-JUnit files. Tests share the cores; what has to keep the pace of the clock on the wall counts as two
-(PROCESSORS), the longest begin first (COST). Output of each test: build/Testing/Temporary/LastTest.log; JUnit files and
-figures: build/test_results.
+JUnit files. Tests share the cores; what has to keep the pace of the clock on the wall begins first, then the longest
+(COST). Output of each test: build/Testing/Temporary/LastTest.log; JUnit files and figures: build/test_results.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """The reference pages say what the code says."""
 
 import re
+import shutil
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -37,6 +38,18 @@ def test_tools_start(tool: Path) -> None:
     """What they import is there: nothing else runs result_snapshot.py."""
     run = subprocess.run([sys.executable, str(tool), "--help"], capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
+
+
+@pytest.mark.parametrize("command", ["setup", "build", "test", "lint", "sanitize", "package", "run"])
+def test_help_neither_installs_nor_builds(command: str, tmp_path: Path) -> None:
+    """It did, for ten minutes, before it printed anything."""
+    (tmp_path / "tools").mkdir()
+    for file in ("seater", "CMakeLists.txt", "tools/run_tests.py"):
+        shutil.copy(ROOT / file, tmp_path / file)
+    run = subprocess.run([tmp_path / "seater", command, "--help"], capture_output=True, text=True, timeout=20)
+    assert run.returncode == 0 and run.stdout.startswith(f"  {command} "), run.stdout + run.stderr
+    assert ("--match" in run.stdout) == (command in ("test", "sanitize"))
+    assert {path.name for path in tmp_path.iterdir()} <= {"seater", "CMakeLists.txt", "tools"}
 
 
 def test_result_codes_are_those_of_the_action_and_each_says_what_to_do() -> None:
