@@ -185,3 +185,11 @@ def test_a_push_ahead_is_tried_where_one_back_is_not() -> None:
     drive = ChairDrive(AxisDrive(1.0, 0.03, True), AxisDrive(), 0.28, 0.28)
     ahead, back = (FineMove(np.array([x, 0.0, 0.0]), False, drive, LIMITS, 0.08) for x in (-0.0044, 0.0044))
     assert ahead.is_worthwhile and not back.is_worthwhile
+
+
+def test_a_chair_that_has_rolled_too_far_ahead_is_pushed_back_at_first_only() -> None:
+    drive, error = ChairDrive(AxisDrive(1.0, 0.02, False), AxisDrive(), 0.25, 0.25), np.array([0.0059, 0.0, 0.0])
+    first, later = (
+        FineMove(error, False, drive, LIMITS, PERIOD, roll=Roll(0.012, 0.6), early=early) for early in (True, False)
+    )
+    assert first.is_worthwhile and not later.is_worthwhile

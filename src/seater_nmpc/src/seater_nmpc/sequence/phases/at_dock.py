@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 _UNSEEN_IMAGES = 6  # times between two images
 _OVERSHOT = 0.008  # [m] beside where a stop was to end, from which on the next one allows for it
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
+_EARLY = 3  # moves that may be made for a few millimetres
 _LEARNT = 4  # moves after which what the chair makes of them should be known
 _OPENED = 0.5  # [s] without contact: no mere bounce of it
 _VERDICTS = {
@@ -199,5 +200,7 @@ class AtDock:
         drive, limits, period = c.controller.history.drive, c.chair.limits, c.controller.period
         p = c.parameters
         off = abs(error[2]) > p.release_heading if turning else abs(error[0]) > p.release_position
-        must = bool(off) and self._moves < _LEARNT
-        return FineMove(error, turning, drive, limits, period, before, roll=self._stops.roll, leave=leave, must=must)
+        must, early = bool(off) and self._moves < _LEARNT, self._moves < _EARLY
+        return FineMove(
+            error, turning, drive, limits, period, before, roll=self._stops.roll, leave=leave, must=must, early=early
+        )
