@@ -133,11 +133,18 @@ def ctest_command(options: argparse.Namespace, report: Path) -> list[str]:
     words += ["--output-junit", str(report), "--no-tests=error"]
     if options.rostest:
         wanted = [f"_rostest_launch_{re.escape(name)}\\.test$" for name in options.rostest]
-    elif options.only:
-        wanted = [f"^{kind}|_{kind}_" for kind in options.only]
+    elif options.match:
+        wanted = [options.match]
     else:
-        wanted = [options.match] if options.match else []
-    return [*words, "-R", "|".join(wanted)] if wanted else words
+        wanted = [of_kind(kind) for kind in options.only or []]
+    others = [of_kind(kind) for kind in KINDS if options.match and options.only and kind not in options.only]
+    words += ["-R", "|".join(wanted)] if wanted else []
+    return [*words, "-E", "|".join(others)] if others else words
+
+
+def of_kind(kind: str) -> str:
+    """What the names of its tests match."""
+    return f"^{kind}|_{kind}_"
 
 
 def describe_times(tests: list[Test]) -> str:
@@ -156,7 +163,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="seater test", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)  # fmt: skip
     chosen = parser.add_mutually_exclusive_group()
-    chosen.add_argument("--only", nargs="+", choices=KINDS, help="only these kinds of tests")
+    parser.add_argument("--only", nargs="+", choices=KINDS, help="only these kinds of tests")
     chosen.add_argument("--rostest", nargs="+", metavar="NAME", help="only these files of test/launch, e.g. cancel")
     chosen.add_argument("--match", metavar="REGEX", help="only tests whose name matches, as `ctest -R`")
     parser.add_argument(
