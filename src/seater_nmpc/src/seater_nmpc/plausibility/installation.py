@@ -28,7 +28,15 @@ from seater_nmpc.observe.measurement import Measurement, difference
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import ObserverParameters
 from seater_nmpc.plausibility.castors import Castors
-from seater_nmpc.plausibility.knowledge import PRIOR, SERIES, SLIPS, InstallationError, Knowledge, nothing_known
+from seater_nmpc.plausibility.knowledge import (
+    PLACES,
+    PRIOR,
+    SERIES,
+    SLIPS,
+    InstallationError,
+    Knowledge,
+    nothing_known,
+)
 
 Array = NDArray[np.float64]
 
@@ -66,7 +74,6 @@ _STAYS = 0.38
 # aside: 60 mm were seen on a straight way from 3.9 m (5.4 standard deviations, 0.4 of it with more slip). What is wrong
 # with yaw or focal length shows straight ahead.
 _STRAIGHT, _STAYS_STRAIGHT = 0.3, 0.6
-_PLACES = (0, 1)  # indices into NAMES
 _DOCKED = np.zeros(3)  # the dock in base_link, of a docked chair
 
 
@@ -228,7 +235,7 @@ class Installation:
         errors = [self._error_by(*one, dockings, dock) for one in found]
         best = min(map(int, plausible), key=lambda i: errors[i].certainty)
         slipping = errors[min(best + 1, len(errors) - 1)]
-        straight = self._headings[1] - self._headings[0] < _STRAIGHT and errors[best].suspect in _PLACES
+        straight = self._headings[1] - self._headings[0] < _STRAIGHT and errors[best].suspect in PLACES
         stays = (_STAYS_STRAIGHT if straight else _STAYS) * errors[best].certainty
         vanishes = slipping.certainty < stays  # with more slip: then it may be slip
         return slipping if vanishes and dockings + 1 < SERIES else errors[best]

@@ -11,6 +11,7 @@ Array = NDArray[np.float64]
 
 NAMES = ("the camera's x", "the camera's y", "the camera's yaw", "focal length or print size")
 KEYS = ("mount_x", "mount_y", "mount_yaw", "depth")  # the same, short
+PLACES = (0, 1)  # indices into NAMES
 PRIOR = np.array([0.03, 0.03, 0.03, 0.05])  # standard deviations before anything was measured
 SLIPS = (0.15, 0.4, 1.0, 4.0)  # of tyres, times what the observer reckons with: a filter for each
 # Over dockings, what patches of floor and castors did in one of them is no longer taken for the installation: of 64 in
