@@ -94,7 +94,6 @@ class Installation:
     def restart(self) -> None:
         """Begin anew, with what is known of dockings before."""
         self.begun += 1
-        self._last: Instant | None = None
         self._used = 0
         self._headings = (0.0, 0.0)  # [rad] least and most, from the first image on
         self._evidence = np.zeros(len(SLIPS))
@@ -110,7 +109,7 @@ class Installation:
         """With these (k, 4) and (k, 4, 4) of NAMES, from the next image on."""
         self._from = values, covariances
         self._elsewhere = 0  # images in a row that the observer's dock is another one
-        self._last = None
+        self._last: Instant | None = None
         self._dock: Array | None = None  # where the observer has had it at the last image
         self._turned_to = 0.0  # [rad] now
         self._mean: list[Array] = []

@@ -35,8 +35,7 @@ class Knowledge:
 
 def without_turns(spread: Array) -> Array:
     """What is unknown (3, 3) of where the docked chair stands, by dockings none of which has turned to see."""
-    least = np.diag(np.square(_TOGETHER)) * (np.diag(spread) < np.square(_TOGETHER))
-    return spread + least - np.diag(np.diag(spread)) * (least > 0.0)
+    return np.asarray(spread + np.diag(np.maximum(np.square(_TOGETHER) - np.diag(spread), 0.0)))
 
 
 def nothing_known() -> Knowledge:

@@ -117,7 +117,7 @@ def _shapes(times: Array, demand: Demand, delays: Array, lags: Array) -> tuple[A
         moving = demand.shape(times, delay, lags)[:, None, :]
         stopped = demand.shape(grip, delay, lags)[:, :, None]
         gain = np.where(times < grip[:, None], moving, stopped)
-        time = np.clip(times, demand.begins + delay, np.maximum(grip[:, None], demand.begins + delay))
+        time = np.clip(times, demand.begins + delay, grip[:, None])
         gains.append(gain - gain[..., :1])
         opened.append(np.broadcast_to(time - time[:, :1], gain.shape))
     return np.array(gains), np.array(opened)
