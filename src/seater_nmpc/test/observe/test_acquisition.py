@@ -82,3 +82,18 @@ def test_cleared_it_begins_anew() -> None:
         offer(candidates, image, RIGHT)
     candidates.clear()
     assert offer(candidates, 4, RIGHT) is None
+
+
+def test_a_wrong_image_takes_no_pose_out_of_the_running() -> None:
+    """Alone it agrees with the one of two that is uncertain, not with what all say; so both stay open."""
+
+    def seen(off: float, sd: float, weight: float) -> Measurement:
+        return Measurement(DOCK + off, sd**2 * np.eye(3), weight)
+
+    both = [seen(-0.2, 0.04, 0.6), seen(0.0, 0.12, 0.4)]
+    candidates = acquisition()
+    for image in range(9):
+        poses = both if image else [seen(0.31, 0.06, 0.6), seen(-0.6, 0.06, 0.4)]
+        series = candidates.offer(Instant(0.1 * image, np.zeros(3), 0.0, 0.0, NO_TRAVEL), poses)
+        assert (series is None) == (image < 8)  # 1.5^8 > 20 : 1
+    assert {float(np.round(m.pose[0] - DOCK[0], 6)) for _, m in series} == {-0.2}

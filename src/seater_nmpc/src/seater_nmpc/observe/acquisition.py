@@ -18,6 +18,7 @@ Drift = Callable[[Array, Instant, Instant], Array]
 
 _PATIENCE = 4  # times the images that are needed, after which the likelier pose is taken though the odds are open
 _AGREEING = 0.6  # fraction of the images from the first agreeing one on that have to agree
+_WRONG = math.log(0.05)  # of the odds that an image does not show the dock where it is
 
 
 class Acquisition:
@@ -25,7 +26,8 @@ class Acquisition:
 
     An image of a single marker may leave two poses open, and both may agree among themselves from image to image while
     the chair stands. So the weights of all images are multiplied, and a pose has to be likelier than every other one
-    that agrees by `odds`. A wrong image now and then does not matter, as long as most of them agree.
+    that agrees by `odds`. A wrong image now and then does not matter, as long as most of them agree; against a pose
+    that it does not show it counts as much as wrong images are rare.
     """
 
     def __init__(self, count: int, gate: float, odds: float, common: Array, drift: Drift) -> None:
@@ -55,32 +57,44 @@ class Acquisition:
 
     def _agreeing(self, now: Instant, candidates: list[Measurement]) -> list[tuple[float, Series]]:
         """For each pose of the newest image the ones in the others that agree with it; with log weights."""
-        result = []
+        found, before = [], list(self._images)[:-1]
         for candidate in candidates:
-            nearest = [(chair, self._nearest(chair, poses, now, candidate)) for chair, poses in list(self._images)[:-1]]
-            series = [(chair, measurement) for chair, measurement in nearest if measurement is not None]
-            series.append((now, candidate))
-            if len(series) < self._count or len(series) < _AGREEING * self._span(nearest):
-                continue
+            nearest = [self._nearest(chair, poses, now, candidate) for chair, poses in before]
+            series = self._around_their_mean([entry for entry in nearest if entry is not None], (now, candidate))
+            span = self._span(series)
+            if len(series) >= max(self._count, _AGREEING * span):
+                found.append((series, span))
+        longest = max((span for _, span in found), default=0)
+        return [(sum(math.log(m.weight) for _, m in s) + (longest - len(s)) * _WRONG, s) for s, _ in found]
+
+    def _around_their_mean(self, others: Series, newest: tuple[Instant, Measurement]) -> Series:
+        """Less those farthest from the mean, until all agree with their own; empty: the newest does not."""
+        series = [*others, newest]
+        while len(series) >= self._count:
             mean = combine([measurement for _, measurement in series])
             oldest = min((chair for chair, _ in series), key=lambda chair: chair.stamp)
-            if all(self._far(oldest, m, now, mean.pose, m.covariance) <= self._gate for _, m in series):
-                result.append((sum(math.log(m.weight) for _, m in series), series))
-        return result
+            far = [self._far(oldest, m, newest[0], mean.pose, m.covariance) for _, m in series]
+            worst = int(np.argmax(far))
+            if far[worst] <= self._gate:
+                return series
+            if worst == len(series) - 1:
+                break
+            del series[worst]
+        return []
 
     def _nearest(
         self, chair: Instant, poses: list[Measurement], now: Instant, candidate: Measurement
-    ) -> Measurement | None:
+    ) -> tuple[Instant, Measurement] | None:
         """Of the poses that an image leaves open the one that is nearest to the candidate, if they agree."""
         scored = [(self._far(chair, m, now, candidate.pose, m.covariance + candidate.covariance), m) for m in poses]
         best = min(scored, key=lambda entry: entry[0])
-        return best[1] if best[0] <= self._gate else None
+        return (chair, best[1]) if best[0] <= self._gate else None
 
     def _far(self, chair: Instant, measurement: Measurement, now: Instant, pose: Array, covariance: Array) -> float:
         return distance(measurement.pose, pose, covariance + self._common + self._drift(pose, chair, now))
 
-    @staticmethod
-    def _span(nearest: list[tuple[Instant, Measurement | None]]) -> int:
-        """Images from the first agreeing one to the newest."""
-        first = next((i for i, (_, measurement) in enumerate(nearest) if measurement is not None), len(nearest))
-        return len(nearest) - first + 1
+    def _span(self, series: Series) -> int:
+        """Images from the first one that agrees to the newest."""
+        agreeing = {id(chair) for chair, _ in series}
+        first = next((i for i, (chair, _) in enumerate(self._images) if id(chair) in agreeing), len(self._images))
+        return len(self._images) - first

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,7 +22,7 @@ from seater_nmpc.observe.drift import Drift
 from seater_nmpc.observe.filter import State
 from seater_nmpc.observe.images import Images
 from seater_nmpc.observe.innovation import Fusion, Outcome
-from seater_nmpc.observe.measurement import Hypothesis, Measurement, apart, combine, mirrors
+from seater_nmpc.observe.measurement import Hypothesis, Measurement, apart, combine, distance, mirrors
 from seater_nmpc.observe.odometry import Instant, Odometry, OdometryBuffer
 from seater_nmpc.observe.offers import Offers
 from seater_nmpc.parameters import ObserverParameters
@@ -65,7 +66,7 @@ class DockObserver:
         self.images = Images(p.buffer_duration)
         self._calibration = np.diag([p.calibration_position**2, p.calibration_position**2, p.calibration_heading**2])
         self.odometry = OdometryBuffer(self.parameters.buffer_duration, self.parameters.max_extrapolation)
-        self._slipping = Drift(p, max(SLIPS))
+        self._slipping, self._rolling = Drift(p, max(SLIPS)), Drift(p, min(SLIPS))
         self.refused_odometry = 0
         self.reset()
 
@@ -77,7 +78,7 @@ class DockObserver:
         self._estimated: tuple[State, Instant, DockEstimate] | None = None  # the last one, and what it was made from
         self._waiting: deque[tuple[float, list[Hypothesis]]] = deque(maxlen=_MOST_WAITING)
         p = self.parameters
-        acquire = (p.gate, p.acquire_odds, self._calibration, self._wander)
+        acquire = (p.gate, p.acquire_odds, self._calibration, partial(self._wander, drift=self._slipping))
         self._candidates = Acquisition(p.acquire_count, *acquire)
         self._rejected = Acquisition(p.reacquire_count, *acquire)
         self.elsewhere: tuple[float, float] | None = None  # [m, rad] so far off images agree on another place
@@ -96,9 +97,9 @@ class DockObserver:
     def bound_reacquisition(self, bounded: bool, front: ArrayLike | None = None) -> None:
         """Whether a dock that images show elsewhere has to be near where it was: while a goal relies on it.
 
-        `front`: (x, y, direction) of its markers' middle in the dock's frame. Where the other place is the mirror image
-        of the first one, seen from afar, the first was the wrong one of the two that few markers leave open: it is
-        acquired anew.
+        `front`: (x, y, direction) of its markers' middle in the dock's frame. Where the other place is one that the
+        images used so far left open, or the mirror image of the first one, seen from afar, the first was the wrong one
+        of the two that few markers leave open: it is acquired anew.
         """
         self._bounded, self.elsewhere = bounded, None
         self._front = None if front is None else np.asarray(front, dtype=float)
@@ -217,7 +218,9 @@ class DockObserver:
         series = self._rejected.offer(chair, offered)
         if series is None:
             return fusion
-        if self._was_mirrored(chair, series):
+        if self._too_far(chair, series) is not None and (
+            self._was_left_open(chair, series) or self._was_mirrored(chair, series)
+        ):
             self._begin(series)
             return Fusion(outcome=Outcome.ACQUIRED, innovation=fusion.innovation)
         self.elsewhere = self._too_far(chair, series) if self._bounded else None
@@ -226,10 +229,21 @@ class DockObserver:
         self._begin(series)
         return Fusion(outcome=Outcome.REACQUIRED, innovation=fusion.innovation)
 
+    def _was_left_open(self, chair: Instant, series: list[tuple[Instant, Measurement]]) -> bool:
+        """Whether most of the images by which the dock was known left open that it is where these images show it."""
+        shown, used = combine([measurement for _, measurement in series]), self.images.used
+
+        def agrees(then: Instant, offered: Measurement) -> bool:
+            covariance = shown.covariance + offered.covariance + self._calibration
+            covariance += self._wander(shown.pose, then, chair, self._rolling)
+            return distance(offered.pose, shown.pose, covariance) <= self.parameters.gate
+
+        return 2 * sum(any(agrees(then, m) for m in offered) for then, offered in used) > len(used)
+
     def _was_mirrored(self, chair: Instant, series: list[tuple[Instant, Measurement]]) -> bool:
         """Whether the dock was known by the mirror image of what these images show."""
         known = self.estimate(chair.stamp)
-        if known is None or self._front is None or self._too_far(chair, series) is None:
+        if known is None or self._front is None:
             return False
         shown = combine([measurement for _, measurement in series]).pose
         far = math.dist(chair.pose[:2], compose(shown, self._front)[:2]) >= _OPEN
@@ -242,10 +256,10 @@ class DockObserver:
         way, turn = apart(chair.pose, known.pose, combine([measurement for _, measurement in series]).pose)
         return (way, turn) if way > p.reacquire_distance or abs(turn) > p.reacquire_turn else None
 
-    def _wander(self, dock: Array, before: Instant, now: Instant) -> Array:
-        """Covariance (3, 3) of how far the odometry of a slipping chair may have moved the dock between two images."""
+    def _wander(self, dock: Array, before: Instant, now: Instant, drift: Drift) -> Array:
+        """Covariance (3, 3) of how far odometry may have moved the dock between two images, by this model of it."""
         p, first = self.parameters, before if before.stamp <= now.stamp else now
-        F, Q = self._slipping.transition(dock, first, now if first is before else before)
+        F, Q = drift.transition(dock, first, now if first is before else before)
         spread = np.diag(
             [0.0, 0.0, 0.0, p.scale_sd**2, p.heading_scale_sd**2, p.heading_drift_sd**2, p.gyro_bias_sd**2]
         )
