@@ -292,22 +292,3 @@ def test_a_dock_acquired_as_its_mirror_image_is_acquired_anew_from_afar(distance
     if outcome is Outcome.ACQUIRED:
         assert observer.estimate().pose == pytest.approx(T_ODOM_DOCK, abs=1e-6)
         assert observer.images.jump is None
-
-
-@pytest.mark.parametrize(("left_open", "outcome"), [(True, Outcome.ACQUIRED), (False, Outcome.ELSEWHERE)])
-def test_a_dock_that_the_images_left_open_is_acquired_anew(left_open: bool, outcome: Outcome) -> None:
-    """A marker at the side: its two poses turn the dock about the marker, so its middle moves, too."""
-    pose = np.array([-2.0, 0.3, 0.0])
-    likelier = observation(CHAIR, inverse(pose) + [0.05, 0.3, 0.25], weight=0.6)
-    true = observation(CHAIR, inverse(pose) + [0.02, -0.03, -0.03], (0.05, 0.06), weight=0.4)
-    observer = DockObserver(CHAIR.camera)
-    standing(observer, pose, 0.0, 2.1)
-    for k in range(12):
-        observer.add_detections(0.1 + 0.1 * k, [likelier, true] if left_open else [likelier])
-    assert observer.estimate().pose[2] == pytest.approx(T_ODOM_DOCK[2] + 0.25, abs=0.01)
-    observer.bound_reacquisition(True, Dock().front)
-    outcomes = [observer.add_detections(1.3 + 0.1 * k, [observation(CHAIR, inverse(pose))]).outcome for k in range(8)]
-    assert outcomes[-1] is outcome and outcomes[0] is Outcome.GATE
-    if left_open:
-        assert observer.estimate().pose == pytest.approx(T_ODOM_DOCK, abs=1e-6)
-        assert observer.images.jump is None

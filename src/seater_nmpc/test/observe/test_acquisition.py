@@ -1,6 +1,7 @@
 """Which images make the first estimate."""
 
 import numpy as np
+import pytest
 
 from seater_nmpc.observe.acquisition import Acquisition, Series
 from seater_nmpc.observe.measurement import Measurement
@@ -17,7 +18,10 @@ def offer(acquisition: Acquisition, image: int, *poses: tuple[float, float, floa
     noise = rng.normal(size=3) * np.sqrt(np.diag(COVARIANCE))
     chair = Instant(0.1 * image, np.zeros(3), 0.0, 0.0, NO_TRAVEL)
     offered = zip(poses, weights or [1.0] * len(poses), strict=True)
-    return acquisition.offer(chair, [Measurement(DOCK + pose + noise, COVARIANCE, weight) for pose, weight in offered])
+    agreed = acquisition.offer(
+        chair, [Measurement(DOCK + pose + noise, COVARIANCE, weight) for pose, weight in offered]
+    )
+    return None if agreed is None else agreed.series
 
 
 def acquisition(drift=lambda dock, before, now: np.zeros((3, 3))) -> Acquisition:
@@ -94,6 +98,8 @@ def test_a_wrong_image_takes_no_pose_out_of_the_running() -> None:
     candidates = acquisition()
     for image in range(9):
         poses = both if image else [seen(0.31, 0.06, 0.6), seen(-0.6, 0.06, 0.4)]
-        series = candidates.offer(Instant(0.1 * image, np.zeros(3), 0.0, 0.0, NO_TRAVEL), poses)
-        assert (series is None) == (image < 8)  # 1.5^8 > 20 : 1
-    assert {float(np.round(m.pose[0] - DOCK[0], 6)) for _, m in series} == {-0.2}
+        agreed = candidates.offer(Instant(0.1 * image, np.zeros(3), 0.0, 0.0, NO_TRAVEL), poses)
+        assert (agreed is None) == (image < 8)  # 1.5^8 > 20 : 1
+    assert {float(np.round(m.pose[0] - DOCK[0], 6)) for _, m in agreed.series} == {-0.2}
+    assert {float(np.round(m.pose[0] - DOCK[0], 6)) for _, m in agreed.other} == {0.0}
+    assert agreed.odds == pytest.approx(-8.0 * np.log(1.5))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,13 +22,22 @@ _AGREEING = 0.6  # fraction of the images from the first agreeing one on that ha
 _WRONG = math.log(0.05)  # of the odds that an image does not show the dock where it is
 
 
+@dataclass(frozen=True)
+class Agreement:
+    """What the first images agree on, each series in the order of their times."""
+
+    series: Series
+    other: Series | None = None  # the second likeliest pose on which they agree as well
+    odds: float = 0.0  # its log odds against the first
+
+
 class Acquisition:
     """Collects images until enough of them agree on one pose of the dock.
 
     An image of a single marker may leave two poses open, and both may agree among themselves from image to image while
     the chair stands. So the weights of all images are multiplied, and a pose has to be likelier than every other one
-    that agrees by `odds`. A wrong image now and then does not matter, as long as most of them agree; against a pose
-    that it does not show it counts as much as wrong images are rare.
+    that agrees by `odds`, be it in fewer images. A wrong image now and then does not matter, as long as most of them
+    agree; against a pose that it does not show it counts as much as wrong images are rare.
     """
 
     def __init__(self, count: int, gate: float, odds: float, common: Array, drift: Drift) -> None:
@@ -42,17 +52,22 @@ class Acquisition:
         """Forget all images."""
         self._images.clear()
 
-    def offer(self, chair: Instant, offered: list[Measurement]) -> Series | None:
-        """Take the poses in odom that an image leaves open; the images in the order of their times once they agree."""
+    def offer(self, chair: Instant, offered: list[Measurement]) -> Agreement | None:
+        """Take the poses in odom that an image leaves open; what the images agree on, once they do."""
         self._images.append((chair, offered))
         if len(self._images) < self._count:
             return None
         agreeing = sorted(self._agreeing(chair, offered), key=lambda scored: scored[0], reverse=True)
-        if not agreeing:
+        enough = [(weight, series) for weight, series in agreeing if len(series) >= self._count]
+        if not enough:
             return None
-        clear = len(agreeing) == 1 or agreeing[0][0] - agreeing[1][0] >= self._odds
-        if clear or len(self._images) == self._images.maxlen:
-            return sorted(agreeing[0][1], key=lambda entry: entry[0].stamp)
+        weight, series = enough[0]
+        others = [scored for scored in agreeing if scored[1] is not series]
+        if not others:
+            return Agreement(series)
+        odds = others[0][0] - weight
+        if odds <= -self._odds or len(self._images) == self._images.maxlen:
+            return Agreement(series, others[0][1], odds)
         return None
 
     def _agreeing(self, now: Instant, candidates: list[Measurement]) -> list[tuple[float, Series]]:
@@ -61,22 +76,25 @@ class Acquisition:
         for candidate in candidates:
             nearest = [self._nearest(chair, poses, now, candidate) for chair, poses in before]
             series = self._around_their_mean([entry for entry in nearest if entry is not None], (now, candidate))
-            span = self._span(series)
-            if len(series) >= max(self._count, _AGREEING * span):
-                found.append((series, span))
-        longest = max((span for _, span in found), default=0)
-        return [(sum(math.log(m.weight) for _, m in s) + (longest - len(s)) * _WRONG, s) for s, _ in found]
+            if series:
+                found.append(series)
+        longest = max((self._span(series) for series in found), default=0)
+        return [
+            (sum(math.log(m.weight) for _, m in series) + (longest - len(series)) * _WRONG, series)
+            for series in found
+            if len(series) >= _AGREEING * longest
+        ]
 
     def _around_their_mean(self, others: Series, newest: tuple[Instant, Measurement]) -> Series:
         """Less those farthest from the mean, until all agree with their own; empty: the newest does not."""
         series = [*others, newest]
-        while len(series) >= self._count:
+        while len(series) > 1:
             mean = combine([measurement for _, measurement in series])
             oldest = min((chair for chair, _ in series), key=lambda chair: chair.stamp)
             far = [self._far(oldest, m, newest[0], mean.pose, m.covariance) for _, m in series]
             worst = int(np.argmax(far))
             if far[worst] <= self._gate:
-                return series
+                return sorted(series, key=lambda entry: entry[0].stamp)
             if worst == len(series) - 1:
                 break
             del series[worst]

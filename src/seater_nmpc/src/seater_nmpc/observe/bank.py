@@ -34,6 +34,7 @@ class FilterBank:
         self._filters = [DockFilter(parameters, calibration, slip) for slip in SLIPS]
         self._evidence = np.zeros(len(SLIPS))
         self._chosen, self._persisted = 0, 0
+        self.support = 0.0  # of the newest image for it, see filter.Look
 
     @property
     def chosen(self) -> DockFilter:
@@ -72,6 +73,7 @@ class FilterBank:
         self._weigh(looks)
         answer = looks[self._chosen] or looks[before]
         assert answer is not None  # the chosen filter covers the stamp
+        self.support = answer.support
         return Fusion(outcome=Outcome.FUSED if answer.fused else Outcome.GATE, innovation=answer.innovation)
 
     def _weigh(self, looks: list[Look | None]) -> None:

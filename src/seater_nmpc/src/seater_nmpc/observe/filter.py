@@ -50,6 +50,7 @@ class Look:
     innovation: Innovation
     fused: bool
     log_likelihood: float
+    support: float  # log likelihood of where it expects the dock over that of where the image shows it; at most 0
 
 
 class DockFilter:
@@ -137,10 +138,15 @@ def take_together(filters: Sequence[DockFilter], chair: Instant, offered: list[M
             for each in fusing:
                 each._drop_old(chair.stamp)
         for k, index in enumerate(group):
-            innovation, fused = best[k][0], k in passed
+            (innovation, measurement), fused = best[k], k in passed
             likelihood = max(_LOG_OUTLIER, innovation.log_likelihood) if fused else _LOG_OUTLIER
-            looks[index] = Look(innovation, fused, likelihood)
+            looks[index] = Look(innovation, fused, likelihood, _support(innovation, measurement))
     return [looks[index] for index in range(len(filters))]
+
+
+def _support(innovation: Innovation, measurement: Measurement) -> float:
+    """Of the place that the filter expects, by the pose of the image that is likeliest there."""
+    return -0.5 * (innovation.nis + innovation.log_det - float(np.linalg.slogdet(measurement.covariance)[1]))
 
 
 def _predicted(filters: Sequence[DockFilter], lasts: Sequence[State], now: Instant) -> tuple[Array, Array]:

@@ -17,7 +17,6 @@ Array = NDArray[np.float64]
 
 _FIRST_DOUBTED = 3  # images by which a jump is told from one wrong image
 _RATE_IMAGES = 9  # images from which their usual distance in time is taken
-_REMEMBERED = 9  # of the newest used images, what they left open
 _CONTRADICTING = (4, 0.25)  # images in a row, and time [s], after which images that are not believed contradict
 _TEXTS = {
     Outcome.EMPTY: "show no marker of the dock (out of view, covered, too dark or too far)",
@@ -57,8 +56,7 @@ class Images:
         self._since_used: Counter[Outcome] = Counter()  # what became of the images since the last used one
         self._doubted = (0.0, 0.0)  # times of the first and the last image outside the gate since then [s]
         self._off: list[tuple[Instant, Array, Innovation]] = []  # the first of these images
-        # The chair at the newest used images since the dock was acquired, and all places that they left open.
-        self.used: deque[tuple[Instant, list[Measurement]]] = deque(maxlen=_REMEMBERED)
+        self._used: Instant | None = None  # the chair at the last used one
         self.jump: Jump | None = None  # the newest one
 
     def show(self, chair: Instant, offered: list[Measurement]) -> None:
@@ -86,11 +84,7 @@ class Images:
                 self._drop(*self._doubted)
             if fusion.outcome is Outcome.REACQUIRED:
                 self.jump = self.doubted
-            if fusion.outcome is not Outcome.FUSED:
-                self.used.clear()
-            if chair is not None:
-                self.used.append((chair, offered))
-            self._last_rejected, self._off = None, []
+            self._last_rejected, self._off, self._used = None, [], chair
             self._since_used.clear()
 
     def no_longer_waiting(self) -> None:
@@ -105,7 +99,7 @@ class Images:
     @property
     def doubted(self) -> Jump | None:
         """What the first images show that were not believed since the last used one; None: all were."""
-        return Jump(self.used[-1][0], list(self._off)) if self.used and self._off else None
+        return None if self._used is None or not self._off else Jump(self._used, list(self._off))
 
     @property
     def contradict(self) -> bool:

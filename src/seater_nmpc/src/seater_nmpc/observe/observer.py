@@ -1,7 +1,7 @@
 """The state observer: the dock's pose in odom, from marker measurements at image time and buffered odometry.
 
-Images are fused by a bank of filters (bank.py, filter.py); before the first estimate, and when no filter can believe
-what the images say though they agree among themselves, acquisition.py decides.
+Images are fused by banks of filters (branches.py, bank.py, filter.py); before the first estimate, and when no filter
+can believe what the images say though they agree among themselves, acquisition.py decides.
 """
 
 from __future__ import annotations
@@ -9,20 +9,20 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.geometry import CameraMount
 from seater_common.se2 import compose
-from seater_nmpc.observe.acquisition import Acquisition
+from seater_nmpc.observe.acquisition import Acquisition, Agreement, Series
 from seater_nmpc.observe.bank import SLIPS, FilterBank
+from seater_nmpc.observe.branches import Branches
 from seater_nmpc.observe.drift import Drift
 from seater_nmpc.observe.filter import State
 from seater_nmpc.observe.images import Images
 from seater_nmpc.observe.innovation import Fusion, Outcome
-from seater_nmpc.observe.measurement import Hypothesis, Measurement, apart, combine, distance, mirrors
+from seater_nmpc.observe.measurement import Hypothesis, Measurement, apart, combine, mirrors
 from seater_nmpc.observe.odometry import Instant, Odometry, OdometryBuffer
 from seater_nmpc.observe.offers import Offers
 from seater_nmpc.parameters import ObserverParameters
@@ -66,7 +66,7 @@ class DockObserver:
         self.images = Images(p.buffer_duration)
         self._calibration = np.diag([p.calibration_position**2, p.calibration_position**2, p.calibration_heading**2])
         self.odometry = OdometryBuffer(self.parameters.buffer_duration, self.parameters.max_extrapolation)
-        self._slipping, self._rolling = Drift(p, max(SLIPS)), Drift(p, min(SLIPS))
+        self._slipping = Drift(p, max(SLIPS))
         self.refused_odometry = 0
         self.reset()
 
@@ -74,11 +74,11 @@ class DockObserver:
         """Forget the dock. `prior`: rough pose in odom; only measurements within `prior_radius` [m] of it acquire."""
         self._prior = None if prior is None else np.asarray(prior, dtype=float)
         self._prior_radius = prior_radius
-        self._bank = FilterBank(self.parameters, self._calibration)
+        self._branches = Branches(self.parameters, self._calibration)
         self._estimated: tuple[State, Instant, DockEstimate] | None = None  # the last one, and what it was made from
         self._waiting: deque[tuple[float, list[Hypothesis]]] = deque(maxlen=_MOST_WAITING)
         p = self.parameters
-        acquire = (p.gate, p.acquire_odds, self._calibration, partial(self._wander, drift=self._slipping))
+        acquire = (p.gate, p.acquire_odds, self._calibration, self._wander)
         self._candidates = Acquisition(p.acquire_count, *acquire)
         self._rejected = Acquisition(p.reacquire_count, *acquire)
         self.elsewhere: tuple[float, float] | None = None  # [m, rad] so far off images agree on another place
@@ -97,12 +97,16 @@ class DockObserver:
     def bound_reacquisition(self, bounded: bool, front: ArrayLike | None = None) -> None:
         """Whether a dock that images show elsewhere has to be near where it was: while a goal relies on it.
 
-        `front`: (x, y, direction) of its markers' middle in the dock's frame. Where the other place is one that the
-        images used so far left open, or the mirror image of the first one, seen from afar, the first was the wrong one
-        of the two that few markers leave open: it is acquired anew.
+        `front`: (x, y, direction) of its markers' middle in the dock's frame. Where the other place is the mirror image
+        of the first one, seen from afar, the first was the wrong one of the two that few markers leave open: it is
+        acquired anew.
         """
         self._bounded, self.elsewhere = bounded, None
         self._front = None if front is None else np.asarray(front, dtype=float)
+
+    @property
+    def _bank(self) -> FilterBank:
+        return self._branches.dock
 
     @property
     def prior(self) -> Array | None:
@@ -190,76 +194,67 @@ class DockObserver:
             if must_stand and moving:
                 self._candidates.clear()
             return Outcome.ACQUIRING
-        series = self._candidates.offer(chair, offered)
-        if series is None:
+        agreed = self._candidates.offer(chair, offered)
+        if agreed is None:
             return Outcome.ACQUIRING
-        self._begin(series)
+        self._begin(agreed)
         return Outcome.ACQUIRED
 
     def _is_moving(self, chair: Instant) -> bool:
         p = self.parameters
         return abs(chair.v) > p.acquire_speed or abs(chair.omega) > p.acquire_speed + 2.0 * p.gyro_bias_sd
 
-    def _begin(self, series: list[tuple[Instant, Measurement]]) -> None:
-        self._bank.begin(series)
+    def _begin(self, agreed: Agreement) -> None:
+        self._branches.begin(agreed.series, agreed.other, agreed.odds)
         self._candidates.clear()
         self._rejected.clear()
 
     def _fuse(self, chair: Instant, offered: list[Measurement]) -> Fusion:
         if not self._bank.covers(chair.stamp):
             return Fusion(outcome=Outcome.STALE)
-        fusion = self._bank.take(chair, offered)
-        if fusion.outcome is Outcome.FUSED:
+        near = self._is_near(chair, self._bank.chosen.states[-1].mean[:3])
+        fusion = self._branches.take(chair, offered, settled=self._bounded and near)
+        if fusion.outcome.accepted:
             self._rejected.clear()
             return fusion
         if self._standing and not self._moving_allowed and self._is_moving(chair):
             self._rejected.clear()  # what agrees while it drives may be a fault of what it drives by
             return fusion
-        series = self._rejected.offer(chair, offered)
-        if series is None:
+        agreed = self._rejected.offer(chair, offered)
+        if agreed is None:
             return fusion
-        if self._too_far(chair, series) is not None and (
-            self._was_left_open(chair, series) or self._was_mirrored(chair, series)
-        ):
-            self._begin(series)
+        if self._was_mirrored(chair, agreed.series):
+            self._begin(agreed)
             return Fusion(outcome=Outcome.ACQUIRED, innovation=fusion.innovation)
-        self.elsewhere = self._too_far(chair, series) if self._bounded else None
+        self.elsewhere = self._too_far(chair, agreed.series) if self._bounded else None
         if self.elsewhere is not None:
             return Fusion(outcome=Outcome.ELSEWHERE, innovation=fusion.innovation)
-        self._begin(series)
+        self._begin(agreed)
         return Fusion(outcome=Outcome.REACQUIRED, innovation=fusion.innovation)
 
-    def _was_left_open(self, chair: Instant, series: list[tuple[Instant, Measurement]]) -> bool:
-        """Whether most of the images by which the dock was known left open that it is where these images show it."""
-        shown, used = combine([measurement for _, measurement in series]), self.images.used
-
-        def agrees(then: Instant, offered: Measurement) -> bool:
-            covariance = shown.covariance + offered.covariance + self._calibration
-            covariance += self._wander(shown.pose, then, chair, self._rolling)
-            return distance(offered.pose, shown.pose, covariance) <= self.parameters.gate
-
-        return 2 * sum(any(agrees(then, m) for m in offered) for then, offered in used) > len(used)
-
-    def _was_mirrored(self, chair: Instant, series: list[tuple[Instant, Measurement]]) -> bool:
+    def _was_mirrored(self, chair: Instant, series: Series) -> bool:
         """Whether the dock was known by the mirror image of what these images show."""
         known = self.estimate(chair.stamp)
-        if known is None or self._front is None:
+        if known is None or self._front is None or self._too_far(chair, series) is None:
             return False
         shown = combine([measurement for _, measurement in series]).pose
-        far = math.dist(chair.pose[:2], compose(shown, self._front)[:2]) >= _OPEN
-        return far and mirrors(chair.pose, self._front, known.pose, shown)
+        return not self._is_near(chair, shown) and mirrors(chair.pose, self._front, known.pose, shown)
 
-    def _too_far(self, chair: Instant, series: list[tuple[Instant, Measurement]]) -> tuple[float, float] | None:
+    def _is_near(self, chair: Instant, dock: Array) -> bool:
+        """Whether the markers of a dock (3,) in odom are."""
+        return self._front is not None and math.dist(chair.pose[:2], compose(dock, self._front)[:2]) < _OPEN
+
+    def _too_far(self, chair: Instant, series: Series) -> tuple[float, float] | None:
         """How far [m, rad] the dock has moved in a way that no drift within the bounds explains; None: near enough."""
         known, p = self.estimate(chair.stamp), self.parameters
         assert known is not None  # only a known dock is acquired again
         way, turn = apart(chair.pose, known.pose, combine([measurement for _, measurement in series]).pose)
         return (way, turn) if way > p.reacquire_distance or abs(turn) > p.reacquire_turn else None
 
-    def _wander(self, dock: Array, before: Instant, now: Instant, drift: Drift) -> Array:
-        """Covariance (3, 3) of how far odometry may have moved the dock between two images, by this model of it."""
+    def _wander(self, dock: Array, before: Instant, now: Instant) -> Array:
+        """Covariance (3, 3) of how far the odometry of a slipping chair may have moved the dock between two images."""
         p, first = self.parameters, before if before.stamp <= now.stamp else now
-        F, Q = drift.transition(dock, first, now if first is before else before)
+        F, Q = self._slipping.transition(dock, first, now if first is before else before)
         spread = np.diag(
             [0.0, 0.0, 0.0, p.scale_sd**2, p.heading_scale_sd**2, p.heading_drift_sd**2, p.gyro_bias_sd**2]
         )

@@ -1,0 +1,83 @@
+"""The dock, and the other place where it may be as long as the images leave two open.
+
+A single marker, far away or seen from ahead, looks nearly the same in two poses. While the chair stands, its images say
+the same again and again; once it moves, only one of the two stays where it is. So both are followed, each by filters of
+its own (bank.py), and the one that stays is the dock. How likely either is in a single image counts no more then: what
+made it so (lens, light, print) is the same in the next.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_nmpc.observe.acquisition import Series
+from seater_nmpc.observe.bank import FilterBank
+from seater_nmpc.observe.innovation import Fusion, Outcome
+from seater_nmpc.observe.measurement import Measurement, distance
+from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.parameters import ObserverParameters
+
+Array = NDArray[np.float64]
+
+# All in log odds of the other place.
+_MOST = 2.0  # that one image may say: a wrong one is not the end of either
+_ANOTHER = 4.0  # from which it is the dock
+_GIVEN_UP = -9.0  # from which it is followed no longer
+_FADING = 0.97  # of the odds so far at the next image
+_MOVED = (0.01, 0.01)  # [m], [rad] from image to image that counts: those of a chair that stands err alike
+
+
+class Branches:
+    """`begin` it with what the first images agree on; then `take` the measurements of each image."""
+
+    def __init__(self, parameters: ObserverParameters, calibration: Array) -> None:
+        """`calibration`: covariance (3, 3) common to all images."""
+        self._arguments = parameters, calibration
+        self.dock = FilterBank(*self._arguments)
+        self.other: FilterBank | None = None
+        self._odds = 0.0
+        self._counted: Instant | None = None
+
+    def begin(self, series: Series, other: Series | None = None, odds: float = 0.0) -> None:
+        """Forget the dock, and begin anew from these; `odds` of the other one, as a logarithm."""
+        self.dock.begin(series)
+        self.other, self._counted = None, series[-1][0]
+        if other is not None:
+            self.other, self._odds = FilterBank(*self._arguments), max(-_MOST, odds)
+            self.other.begin(other)
+
+    def take(self, chair: Instant, offered: list[Measurement], *, settled: bool) -> Fusion:
+        """As `FilterBank.take`; ACQUIRED: the other place is the dock from now on. `settled`: it must not change."""
+        fusion, moved = self.dock.take(chair, offered), self._moved(chair)
+        if self.other is None or not self.other.covers(chair.stamp):
+            return fusion
+        its_own = [measurement for measurement in offered if self._is_nearer_other(measurement)]
+        says, used = -_MOST, False
+        if its_own:
+            used = self.other.take(chair, its_own).outcome is Outcome.FUSED
+            says = float(np.clip(self.other.support - self.dock.support, -_MOST, _MOST))
+        if moved:
+            self._counted = chair
+            self._odds = _FADING * self._odds + says
+        if self._odds < _GIVEN_UP:
+            self.other = None
+        elif self._odds > _ANOTHER and used and not settled:
+            self.dock, self.other, self._odds = self.other, self.dock, -self._odds
+            return Fusion(outcome=Outcome.ACQUIRED, innovation=fusion.innovation)
+        return fusion
+
+    def _is_nearer_other(self, measurement: Measurement) -> bool:
+        """Than to the dock: what shows the one must not draw the other one there."""
+        dock, other = (
+            distance(measurement.pose, bank.last.mean[:3], measurement.covariance + self._arguments[1])
+            for bank in (self.dock, self.other)
+            if bank is not None and bank.last is not None
+        )
+        return other < dock
+
+    def _moved(self, chair: Instant) -> bool:
+        last = self._counted
+        if last is None or chair.stamp <= last.stamp:
+            return last is None
+        return chair.driven - last.driven >= _MOVED[0] or chair.turned - last.turned >= _MOVED[1]
