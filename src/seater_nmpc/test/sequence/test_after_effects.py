@@ -30,6 +30,16 @@ def test_turns_that_hardly_turn_the_chair_are_named() -> None:
     assert effects.in_words == ""
 
 
+def test_turns_are_in_vain_where_the_pushes_after_them_turn_the_chair_back() -> None:
+    off, turned = np.array([0.0, 0.0, -0.018]), np.array([0.033, 0.0, -0.006])
+    for shifts, back, in_vain in ((1.0, -0.017, True), (1.0, -0.010, False), (0.2, -0.017, False)):
+        effects, there = AfterEffects(), turned * [shifts, 1.0, 1.0]
+        effects.learn(True, off, there)
+        assert not effects.are_in_vain(back, 0.01), "nothing has been pushed"
+        effects.learn(False, there, np.array([0.002, 0.0, back]))
+        assert effects.are_in_vain(back, 0.01) is in_vain, (shifts, back)
+
+
 def test_the_turn_per_metre_of_a_push_is_learned() -> None:
     effects = AfterEffects()
     effects.learn(False, np.array([-0.02, 0.0, -0.02]), np.array([-0.01, 0.0, -0.026]))

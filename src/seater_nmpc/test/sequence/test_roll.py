@@ -144,18 +144,20 @@ def test_a_chair_that_rolls_docks_with_few_moves(make_world, speed: float, turni
 
 def test_the_next_docking_allows_for_the_roll(make_world) -> None:
     """The first one stands before the dock and drives on; the second one drives in once, and the roll is its last
-    millimetres."""
-    slope = Slope(-0.012, 0.0)
+    millimetres, its last degree its turn downhill."""
+    slope = Slope(-0.012, 0.008)
     world = make_world((-0.9, 0.0, 0.0), moves=slope.moves, measures=slope.measures)
     world.tick()
-    ends, stops = [], []
+    ends, headings, stops = [], [], []
     for _ in range(2):
         world.phases.clear()
         world.sequence.start_dock(world.now)
         result = world.run(60.0).result
         assert result is not None and result.success, result
         ends.append(float(world.truth[0]))
+        headings.append(float(world.truth[2]))
         stops.append(world.phases.count("STOPPING"))
         world.sequence.start_undock(world.now)
         assert world.run(30.0).result.success
     assert stops[0] > 1 and stops[1] == 1 and abs(ends[1]) < 0.005, (stops, ends)
+    assert abs(headings[1]) < 0.004 < slope.turning * 1.3, headings

@@ -62,11 +62,11 @@ def room_beyond(chair: Chair, dock: Dock) -> float:
 _STRAIGHT_AT, _STRAIGHT_BAND = (-0.50, -0.35, -0.20), (0.0, 0.0005, 0.003)
 
 
-def straight_in(pose: Array, short: float = 0.0) -> Array:
+def straight_in(pose: Array, short: float = 0.0, heading: float = 0.0) -> Array:
     """The target (3,) of the last stretch, in the dock's frame like `pose`: a small lateral error is left as it is.
-    `short` [m]: so far before the dock; negative: beyond it.
+    `short` [m]: so far before the dock; negative: beyond it. `heading` [rad]: turned by so much there.
 
     Mending the last millimetres there would end in a heading error: turning needs way, and there is none left.
     """
     band = float(np.interp(pose[0] + short, _STRAIGHT_AT, _STRAIGHT_BAND))
-    return np.array([-short, min(max(float(pose[1]), -band), band), 0.0])
+    return np.array([-short, min(max(float(pose[1]), -band), band), heading])

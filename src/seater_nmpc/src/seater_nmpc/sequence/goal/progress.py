@@ -33,8 +33,10 @@ class Progress:
         self.T_odom_dock: Array | None = None
         self.failure: GoalEnd | None = None  # what the goal will end with, when the chair has backed out
         self.no_way = ""  # why there is no way into the bay
-        self.expected_rest: float | None = None  # [m] ahead of the dock, where a stop was to end
+        # Where a stop was to end: ahead of the dock [m], and its heading [rad].
+        self.expected_rest: tuple[float, float] | None = None
         self.overshoot = 0.0  # [m] beyond where its last stop at the dock was to end
+        self.overturn = 0.0  # [rad] the same of its heading
 
     def enter(self, phase: Phase) -> None:
         """A phase begins."""

@@ -23,7 +23,7 @@ from seater_nmpc.sequence.rest.verification import Verdict, Verification, within
 Array = NDArray[np.float64]
 
 _UNSEEN_IMAGES = 6  # times between two images
-_OVERSHOT = 0.008  # [m] beside where a stop was to end, from which on the next one allows for it
+_OVERSHOT = np.array([0.008, 0.006])  # [m, rad] beside where a stop was to end, from which on the next allows for it
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
 _EARLY = 3  # moves that may be made for a few millimetres
 _LEARNT = 4  # moves after which what the chair makes of them should be known
@@ -49,7 +49,8 @@ class AtDock:
         self._begun_by, self._phase = self._phase, phase
         self._stops.restart(moved=phase is Phase.STOPPING and self._begun_by is Phase.CORRECTING)
         if phase is Phase.WAITING_FOR_DOCK:
-            self._context.goal.overshoot = self._stops.begin_docking()
+            goal = self._context.goal
+            goal.overshoot, goal.overturn = self._stops.begin_docking().tolist()
         self._closed = self._context.goal.now  # the contact, when it was so last
         if phase not in (Phase.STOPPING, Phase.CORRECTING, Phase.VERIFY):
             self._driven_on = self._driven_on if phase is Phase.FINAL else 0
@@ -72,7 +73,7 @@ class AtDock:
             late = chair.stamp - since > max(_UNSEEN, _UNSEEN_IMAGES * c.observer.images.period)
             return Phase.VERIFY if late else STANDING
         c.goal.error = inverse(standing_dock(fresh))
-        self._learn(float(c.goal.error[0]))
+        self._learn(c.goal.error)
         return self._decide(c.goal.error)
 
     def correct(self, chair: Instant) -> Asked:
@@ -125,13 +126,14 @@ class AtDock:
             raise GoalEnd(ResultCode.SUCCESS, Verdict.DOCKED.value)
         return replace(STANDING, text="docked, watches the contact")
 
-    def _learn(self, x: float) -> None:
-        """Where the chair stands, `x` [m] in the dock's frame, after a stop that was to end elsewhere."""
+    def _learn(self, error: Array) -> None:
+        """Where the chair stands (3,) after a stop that was to end elsewhere."""
         goal, after_final = self._context.goal, self._begun_by is Phase.FINAL
-        self._stops.ended(x, goal.expected_rest, first=after_final and not (goal.retries or self._driven_on))
+        self._stops.ended(error, goal.expected_rest, first=after_final and not (goal.retries or self._driven_on))
         goal.expected_rest = None
         if self._stops.off is not None:
-            goal.overshoot = self._stops.off if abs(self._stops.off) > _OVERSHOT else 0.0
+            off = np.where(np.abs(self._stops.off) > _OVERSHOT, self._stops.off, 0.0)
+            goal.overshoot, goal.overturn = off.tolist()
         if after_final or self._begun_by is Phase.CORRECTING:
             self._stops.learn_roll(self._context.controller.history)
 
@@ -150,6 +152,9 @@ class AtDock:
     def _decide(self, error: Array) -> Phase:
         c, verdict = self._context, self._choose(error)
         last = c.goal.retries >= c.parameters.max_retries
+        in_vain = self._after_effects.are_in_vain(float(error[2]), c.parameters.release_position)
+        if verdict is Correction.TURN and in_vain and not last:
+            verdict = Correction.AGAIN
         if verdict is not Correction.TURN and self._drives_on(error):
             return Phase.FINAL
         if verdict is Correction.STAY or (verdict is Correction.AGAIN and last and within(error, c.dock.tolerance)):
@@ -163,7 +168,8 @@ class AtDock:
     def _drives_on(self, error: Array) -> bool:
         """Whether it drives on to the dock before which it stands; if so, its next stop allows for its last one."""
         goal = self._context.goal
-        overshoot = way_on.next_overshoot(self._stops.off, goal.overshoot, self._stops.roll)
+        last = None if self._stops.off is None else float(self._stops.off[0])
+        overshoot = way_on.next_overshoot(last, goal.overshoot, self._stops.roll)
         if self._driven_on >= way_on.MOST:
             return False
         if not way_on.has_way_on(error, overshoot, self._stops.roll, self._context.parameters):

@@ -77,17 +77,17 @@ class WayIn:
             return c.try_again(ResultCode.FAILED_TO_STAGE, "outside the corridor at the bay")
         short = max(-self._room_beyond, c.goal.overshoot)  # beyond the dock: from there it will roll back
         if rest[0] + short >= -self._stopping_margin(speeds):
-            c.goal.expected_rest = float(rest[0])
+            c.goal.expected_rest = float(rest[0]), float(rest[2])
             return Phase.STOPPING
         if c.standstill.in_place(chair.stamp, rest + np.array([short, 0.0, 0.0])):
-            c.goal.expected_rest = -short  # what is missing is left out by the next one
+            c.goal.expected_rest = -short, float(rest[2])  # what is missing is left out by the next one
             return Phase.STOPPING
         near, hovers = bool(abs(error[0]) <= _NEAR), c.standstill.stuck(chair.stamp, error)
         if near and hovers:  # to and fro: castors that swing round push it away again each time
             return Phase.STOPPING
         if c.standstill.stalled(chair.stamp, c.measured(chair), near=near):
             return Phase.STOPPING if near else c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands short of the dock")
-        return c.drive(chair, straight_in(error, short))
+        return c.drive(chair, straight_in(error, short, -c.goal.overturn))
 
     def _look_at_the_walls(self, error: Array) -> None:
         """A chair ahead of the bay does not go in where the walls surely are elsewhere. Raises GoalEnd."""

@@ -21,6 +21,7 @@ _PUSHED = 0.3  # [s] about
 _NEWEST = 0.5  # weight of the newest move
 _HELD, _HELD_FROM = 0.15, 0.01  # share of an error of so many [rad], at least, that a turn mends: less, and it was held
 _HELD_TURNS = 2  # in a row
+_IN_VAIN = 0.7  # of the error before a turn, when the pushes after it have led to another one
 
 
 class AfterEffects:
@@ -31,6 +32,8 @@ class AfterEffects:
         self.roll = Roll()  # as stops have shown
         self._way_per_turn: float | None = None  # [m] of a turn on the spot
         self._held = 0  # turns in a row that hardly turned the chair
+        self._turned_from: float | None = None  # [rad] off before the last turn after which it was pushed
+        self._pushed = False  # since the last turn
 
     def learn(self, turning: bool, before: Array, after: Array) -> None:
         """A move has brought the chair from one error to the other; it has rolled meanwhile."""
@@ -39,7 +42,10 @@ class AfterEffects:
             self._way_per_turn = _mean(self._way_per_turn, way, _MOST[1])
             held = abs(before[2]) >= _HELD_FROM and abs(turn) < _HELD * abs(before[2])
             self._held = self._held + 1 if held else 0
-        elif abs(way) >= _SHORTEST:
+            self._turned_from, self._pushed = abs(float(before[2])), False
+            return
+        self._pushed = True
+        if abs(way) >= _SHORTEST:
             self.turn_per_way = _mean(self.turn_per_way, (turn - self.roll.turn(_PUSHED)) / way, _MOST[0])
 
     @property
@@ -57,6 +63,12 @@ class AfterEffects:
     def shifts(self, most: float) -> bool:
         """Whether a turn on the spot shifts the chair along the dock's axis by more than that [m]."""
         return abs(self.way_per_turn) > most
+
+    def are_in_vain(self, heading: float, most: float) -> bool:
+        """Whether turns on the spot are: the last one shifted the chair by more than `most` [m], and the pushes that
+        mended it have turned it back again, to `heading` [rad]."""
+        undone = self._turned_from is not None and abs(heading) > _IN_VAIN * self._turned_from
+        return undone and self._pushed and self.shifts(most)
 
     def turn_of_push(self, x: float) -> float:
         """[rad] that the chair will turn as it is driven from `x` [m] to the dock."""

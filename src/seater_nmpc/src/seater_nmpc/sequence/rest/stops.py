@@ -3,13 +3,18 @@ rest."""
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.observe.prediction import CommandHistory
 from seater_nmpc.sequence.rest.roll import Belief, Roll, RollWatch
 
+Array = NDArray[np.float64]
+
 _LAGS, _DOUBT = 2.5, 0.2  # times the lag, and [s], after the delay, until the motors have to stand
 _LONGEST_LAG = 0.3  # [s] that is waited for: a roll is learned as lag, too
-_ARRIVES_OFF = 0.004  # [m] from which on the next docking allows for it
+_ARRIVES_OFF = np.array([0.004, 0.005])  # [m, rad] from which on the next docking allows for it
 
 
 class Stops:
@@ -18,20 +23,21 @@ class Stops:
     def __init__(self) -> None:
         self._belief, self._watch = Belief(), RollWatch()
         self._motors_stand: float | None = None  # [s] from when on they have to
-        self._arrival: float | None = None  # [m] beside where it was to end that a docking's first stop does; mean
-        self.off: float | None = None  # [m] the same of the last stop; None: it had no end that was known
+        # Beside where it was to end that a docking's first stop does, ahead and turned (2,) [m, rad]; mean.
+        self._arrival: Array | None = None
+        self.off: Array | None = None  # the same of the last stop; None: it had no end that was known
 
     @property
     def roll(self) -> Roll:
         """That is reckoned with."""
         return self._belief.roll
 
-    def begin_docking(self) -> float:
-        """Where its first stop will end, beside where it is to, as the last dockings had it [m]. The floor is the same
-        as the last time, the load need not be."""
+    def begin_docking(self) -> Array:
+        """Where its first stop will end, beside where it is to, as the last dockings had it (2,) [m, rad]. The floor is
+        the same as the last time, the load need not be."""
         self._belief = self._belief.aged()
-        off = self.roll.way() if self._arrival is None else self._arrival
-        return off if abs(off) > _ARRIVES_OFF else 0.0
+        off = np.array([self.roll.way(), self.roll.turn()]) if self._arrival is None else self._arrival
+        return np.where(np.abs(off) > _ARRIVES_OFF, off, 0.0)
 
     def restart(self, *, moved: bool) -> None:
         """Another stop, or small move, begins; `moved`: the stop of the small move that has been watched."""
@@ -52,10 +58,10 @@ class Stops:
         self._watch.see(chair.stamp, chair.pose)
         return self._motors_stand
 
-    def ended(self, x: float, expected: float | None, *, first: bool) -> None:
-        """The chair stands at `x` [m] in the dock's frame, where it was `expected` to end, None: nowhere. `first`: it
-        is the first stop of a docking."""
-        self.off = None if expected is None else x - expected
+    def ended(self, error: Array, expected: tuple[float, float] | None, *, first: bool) -> None:
+        """The chair stands at `error` (3,) from the dock, where its place ahead and heading were `expected` to be
+        [m, rad], None: nowhere. `first`: it is the first stop of a docking."""
+        self.off = None if expected is None else error[[0, 2]] - expected
         if first and self.off is not None:
             self._arrival = self.off if self._arrival is None else 0.5 * (self._arrival + self.off)
 
