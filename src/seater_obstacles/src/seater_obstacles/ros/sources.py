@@ -48,6 +48,10 @@ class Source:
         """Raises ValueError: the message cannot be used, with the reason."""
         return self._makers[self.kind](message, T_base_sensor)
 
+    def measured(self, message: Any) -> bytes:
+        """What the sensor told, without stamp: equal when it repeats itself."""
+        return np.asarray(message.ranges).tobytes() if self.kind == "scan" else bytes(message.data)
+
     def _of_scan(self, m: LaserScan, T: Array) -> Sight:
         limits = (m.range_min, m.range_max)
         return scan_sight(m.ranges, m.angle_min, m.angle_increment, limits, T, self._settings.max_range)
