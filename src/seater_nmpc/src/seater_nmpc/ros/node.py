@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 import time
+from dataclasses import replace
 from typing import Any
 
 import rospy
@@ -177,6 +178,7 @@ class DockingNode:
         if self._core.sequence.active:
             self._core.sequence.held, self._core.sequence.held_by = self._gate.holds(now), self._gate.held_by
             step = self._core.sequence.update(now, self._contact)
+            step = step if step.result is None else replace(step, result=self._gate.named(step.result))
             self._send(step, ask=step.result is not None or self._age.behind(self._out.stamp) <= OUT_OF_DATE)
         else:
             if self._zeros > 0:
