@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scenes import box, scan
 
-from seater_common.geometry import CameraMount
+from seater_common.geometry import CameraMount, Chair, Dock
 from seater_obstacles.depth import DepthImages, cloud_sight
+from seater_obstacles.finder import ObstacleFinder
 from seater_obstacles.scan import scan_sight
 from seater_obstacles.settings import ObstacleSettings, SenseSettings
 from seater_obstacles.sight import Sight
@@ -48,6 +49,17 @@ def of_depth(value: float) -> Sight:
 def test_one_that_meets_nothing_at_all_is_not_believed(sight: Sight) -> None:
     with pytest.raises(SensorFailsError, match="nothing at all"):
         watch().check(sight, b"", ORIGIN)
+
+
+def test_a_depth_camera_in_front_of_the_back_wall_may_meet_nothing() -> None:
+    """Docked, the camera is 0.45 m from it."""
+    finder, w = ObstacleFinder(ObstacleSettings(), Chair(), Dock()), watch()
+    for ahead, near in ((0.0, True), (0.05, True), (0.3, True), (1.2, False)):
+        base, sight = np.array([-ahead, 0.0, 0.0]), of_depth(0.0)
+        assert finder.near_dock(sight, base, ORIGIN) is near
+        if near:
+            w.check(sight, b"", base, too_near=True)
+    assert not finder.near_dock(of_depth(0.0), ORIGIN, None)
 
 
 def test_one_that_meets_but_the_dock_or_the_floor_is_believed() -> None:

@@ -29,13 +29,14 @@ class SensorWatch:
         self._last: bytes | None = None
         self._place: Array = np.zeros(3)  # of the chair in odom when `_last` came first
 
-    def check(self, sight: Sight, measured: bytes, T_odom_base: ArrayLike) -> None:
+    def check(self, sight: Sight, measured: bytes, T_odom_base: ArrayLike, *, too_near: bool = False) -> None:
         """A new measurement.
 
         Args:
             sight: what it says.
             measured: as the sensor told it, without stamp.
             T_odom_base: (x, y, heading) of the chair at its stamp.
+            too_near: a sensor that works may meet nothing here, as the dock is nearer than it can measure.
 
         Raises:
             SensorFailsError: it meets nothing at all, or is the same as before though the chair has moved.
@@ -43,6 +44,8 @@ class SensorWatch:
         if measured != self._last:
             self._last, self._place = measured, np.array(T_odom_base, dtype=float)
         if sight.met < self._least:
+            if too_near:
+                return
             raise SensorFailsError("the sensor meets nothing at all (covered, without power, or its limits wrong?)")
         dx, dy, turn = np.asarray(T_odom_base, dtype=float) - self._place
         if np.hypot(dx, dy) > _DISTANCE or abs(wrap_angle(turn)) > _TURN:

@@ -68,7 +68,8 @@ class ObstacleNode:
         try:
             places = self._where.at(header)
             sight = self._source.sight(message, places.T_base_sensor)
-            self._watch.check(sight, self._source.measured(message), places.T_odom_base)
+            near = kind != "scan" and self._finder.near_dock(sight, places.T_odom_base, places.T_odom_dock)
+            self._watch.check(sight, self._source.measured(message), places.T_odom_base, too_near=near)
         except (tf2_ros.TransformException, ValueError) as error:
             self._trouble = str(error)
             rospy.logwarn_throttle(_WARNING_PERIOD, "obstacles cannot be seen: %s", error)
