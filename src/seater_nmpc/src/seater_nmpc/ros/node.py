@@ -179,7 +179,10 @@ class DockingNode:
             self._core.sequence.held, self._core.sequence.held_by = self._gate.holds(now), self._gate.held_by
             step = self._core.sequence.update(now, self._contact)
             step = step if step.result is None else replace(step, result=self._gate.named(step.result))
-            self._send(step, ask=step.result is not None or self._age.behind(self._out.stamp) <= OUT_OF_DATE)
+            ask = step.result is not None or self._age.behind(self._out.stamp) <= OUT_OF_DATE
+            self._send(step, ask=ask)
+            if not ask:
+                self._core.sequence.withhold(now)
         else:
             if self._zeros > 0:
                 self._zeros -= 1
