@@ -259,6 +259,8 @@ class DockingNode:
                 self._check_way_to(name, search=prior is not None)
             self._gate.arm(undock=kind == "undock")  # a new goal is a new consent
         except RefusedError as refused:
+            # Whoever gave it has let go of the goal before: actionlib's simple client forgets it and cannot cancel it.
+            self._abort(ResultCode.CANCELED, f"replaced by a goal that is refused: {refused.text}")
             return self._goals.refuse(kind, handle, refused.code, refused.text)
         self._abort(ResultCode.CANCELED, "replaced by a new goal", release=False)
         self._goals.accept(kind, handle)
