@@ -55,11 +55,19 @@ def test_a_goal_to_another_dock_replaces_the_one_that_drives(stand: Stand) -> No
     assert drive.docks(RECOVERS) and stand.node._core.dock.name == "hall"
 
 
-def test_a_name_that_is_not_known_ends_nothing(stand: Stand) -> None:
+def test_a_goal_that_is_refused_ends_the_one_that_drives(stand: Stand) -> None:
+    """The client knows of it no longer, and could not cancel it."""
     drive = Drive(stand)
     assert drive.docks(RECOVERS)
-    assert refused(stand, dock_id="attic") == (DockResult.DOCK_NOT_IN_DB, "no dock 'attic'; known are lab, hall")
-    assert stand.active
+    stand.give("dock", DockGoal(dock_id="attic"))
+    before, last = stand.results[-2:]
+    assert (before.result_code, last.result_code) == (DockResult.CANCELED, DockResult.DOCK_NOT_IN_DB)
+    assert before.result_text == f"replaced by a goal that is refused: {last.result_text}" and not stand.active
+    assert last.result_text == "no dock 'attic'; known are lab, hall"
+    drive.step()
+    request = stand.sent["velocity_request"][-1].twist
+    assert (request.linear.x, request.angular.z) == (0.0, 0.0)
+    assert drive.docks(RECOVERS)
 
 
 def test_a_docked_chair_takes_no_goal_to_another_dock(stand: Stand) -> None:

@@ -54,9 +54,15 @@ def service() -> Service:
 
 
 @pytest.fixture
-def gate(monkeypatch: pytest.MonkeyPatch, published: Published, service: Service) -> Gate:
+def heard() -> list[Any]:
+    """What is called when a state arrives."""
+    return []
+
+
+@pytest.fixture
+def gate(monkeypatch: pytest.MonkeyPatch, published: Published, service: Service, heard: list[Any]) -> Gate:
     monkeypatch.setattr(module.rospy, "Publisher", lambda *_, **__: published)
-    monkeypatch.setattr(module.rospy, "Subscriber", lambda *_, **__: None)
+    monkeypatch.setattr(module.rospy, "Subscriber", lambda _, __, callback, **___: heard.append(callback))
     monkeypatch.setattr(module.rospy, "ServiceProxy", lambda *_, **__: service)
     return Gate(lambda kind, message: None, lock_step=False)
 
@@ -111,3 +117,22 @@ def test_after_the_end_of_the_goal_the_gate_ends_nothing(gate: Gate) -> None:
 def test_the_gate_is_told_whether_the_goal_leaves_the_dock(gate: Gate, service: Service, undock: bool) -> None:
     gate.arm(undock=undock)
     assert service.undock is undock
+
+
+def test_a_chair_that_stands_since_the_gate_is_silent_is_not_called_blocked(
+    gate: Gate, heard: list[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    blocked, lost = (Result(code=code, text="why") for code in (ResultCode.BLOCKED, ResultCode.MARKER_LOST))
+    now = [100.0]
+    monkeypatch.setattr(module.time, "monotonic", lambda: now[0])
+    heard[0](GateState(state=GateState.REQUEST))
+    now[0] += 0.3
+    assert gate.named(blocked) == blocked
+    now[0] += 0.3
+    assert (gate.named(blocked).code, gate.named(blocked).text) == (
+        ResultCode.GATE_LOST,
+        "the safety gate has been silent for 0.6 s",
+    )
+    assert gate.named(lost) == lost
+    gate._lock_step = True
+    assert gate.named(blocked) == blocked

@@ -170,3 +170,11 @@ def test_what_is_none_and_silence_are_trouble(silent) -> None:
     assert "none: polygon 0" in obstacles.trouble(1.0)
     obstacles.take(obstacle_message("odom"), "odom")
     assert [obstacles.trouble(stamp) for stamp in (1.0, 1.4, 1.6)] == ["", "", "nothing new on `obstacles` for 0.5 s"]
+
+
+@pytest.mark.parametrize("number, corners", [(101, 3), (2, 6000)])
+def test_more_than_a_control_cycle_has_time_for_is_trouble(number: int, corners: int) -> None:
+    polygon = np.random.default_rng(1).uniform(1.0, 2.0, (corners, 2))
+    outlines, complaints = usable_outlines([polygon] * number)
+    assert not outlines and complaints[0].startswith(f"{number} polygons with {number * corners} corners, at most 100")
+    assert len(usable_outlines([polygon[:4]] * 100)[0]) == 100

@@ -4,11 +4,13 @@ import struct
 
 import numpy as np
 import pytest
-from sensor_msgs.msg import Image, PointCloud2, PointField
+from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2, PointField
 from std_msgs.msg import Header
 
 from seater_obstacles.finder import Found
 from seater_obstacles.ros import messages
+from seater_obstacles.ros.sources import Source
+from seater_obstacles.settings import SenseSettings
 
 DEPTH = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
 
@@ -33,6 +35,27 @@ def test_other_or_cut_depth_images_are_refused() -> None:
     cut.data = cut.data[:-1]
     with pytest.raises(ValueError, match="fewer data"):
         messages.depth_pixels(cut)
+
+
+def calibration(width: int, height: int) -> CameraInfo:
+    return CameraInfo(width=width, height=height, K=[2.0, 0.0, 1.0, 0.0, 2.0, 0.5, 0.0, 0.0, 1.0])
+
+
+def test_a_calibration_of_another_size_than_the_depth_image_is_refused() -> None:
+    source = Source("depth", SenseSettings(stride=1), 1)
+    for size in ((3, 2), (0, 0)):
+        source._on_info(calibration(*size))
+        assert source.sight(image("32FC1", "f4"), np.eye(4)).met == 6
+    source._on_info(calibration(6, 4))
+    with pytest.raises(ValueError, match="is 3 x 2, its camera_info of 6 x 4 pixels"):
+        source.sight(image("32FC1", "f4"), np.eye(4))
+
+
+def test_what_a_sensor_measured_is_the_same_whatever_its_stamp() -> None:
+    source = Source("scan", SenseSettings(), 1)
+    one, other = LaserScan(ranges=[1.0, np.nan]), LaserScan(ranges=[1.0, np.nan])
+    other.header.stamp.secs = 7
+    assert source.measured(one) == source.measured(other) != source.measured(LaserScan(ranges=[1.0, 2.0]))
 
 
 def cloud(big: bool = False) -> PointCloud2:

@@ -308,6 +308,17 @@ def test_blocked_in_every_phase(make_world, phase) -> None:
     assert result.retries == 0 and "in the way" in result.text
 
 
+def test_a_chair_that_stands_as_nothing_is_sent_is_not_blocked_and_one_that_is_asked_again_is(make_world) -> None:
+    """A loaded computer: what is asked for is out of date for two seconds."""
+    world, fault = driving(make_world, (-2.0, 0.0, 0.0), -1.9)
+    world.moves, world.measures = fault.stands, fault.wheels_stand
+    fault.begin()
+    world.sequence.withhold(world.now)
+    step = world.run(2.0, until=lambda step: world.sequence.withhold(world.now) is not None)
+    assert step.result is None, step.result
+    ends(world, ResultCode.BLOCKED, NOTICED + 0.45)  # what it is asked for may act so late
+
+
 @pytest.mark.parametrize("start", [(-2.5, 0.9, 0.0), seldom((-1.2, 0.0, 0.0))])
 def test_a_chair_that_the_gate_holds_is_not_blocked_and_goes_on(make_world, start) -> None:
     """Somebody passes: ten seconds are longer than any patience with a chair that does not obey."""

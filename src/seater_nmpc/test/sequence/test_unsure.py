@@ -33,6 +33,18 @@ def test_the_chair_stands_while_it_is_not_known_what_is_in_the_way(make_world, k
     assert world.run(40.0).result.success
 
 
+@pytest.mark.parametrize("outline", [[(-5, -5), (5, -5), (5, 5), (-5, 5)], [(-3.0, 0.2), (-1.4, 0.2), (-1.4, 0.8)]])
+def test_a_chair_does_not_flee_from_an_obstacle_that_it_would_stand_in(make_world, outline) -> None:
+    world = driving(make_world, "dock")
+    world.sequence._controller.set_obstacles([outline])
+    before = world.truth.copy()
+    step = world.run(7.0)
+    assert step.result is None and step.command.text.endswith("an obstacle is told where the chair itself stands")
+    assert world.truth[0] > before[0] - 0.01 and all(command.v >= 0.0 for command in world.commands[-139:])
+    world.sequence._controller.set_obstacles([])
+    assert world.run(40.0).result.success
+
+
 def test_it_does_not_wait_for_ever(make_world) -> None:
     world = driving(make_world, "dock")
     world.sequence.unsure, began = WHY, world.now

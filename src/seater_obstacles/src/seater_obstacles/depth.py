@@ -30,7 +30,7 @@ def cloud_sight(points: ArrayLike, T_base_sensor: ArrayLike, settings: SenseSett
     stands = (p[:, 2] > 0.0) & ~floor & (p[:, 2] <= settings.top)
     view = _view(origin, bearings, distance, floor, stands)
     near = np.hypot(p[:, 0], p[:, 1]) <= settings.max_range
-    return Sight(p[stands & near, :2], view)
+    return Sight(p[stands & near, :2], view, len(p))
 
 
 def _view(origin: Array, bearings: Array, distance: Array, floor: NDArray[np.bool_], stands: NDArray[np.bool_]) -> View:

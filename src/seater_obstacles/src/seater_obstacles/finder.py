@@ -23,6 +23,9 @@ from seater_obstacles.tracks import Tracks
 Array = NDArray[np.float64]
 
 _STEP = 0.1  # [m] between the places on the way of a moving thing
+_TOO_NEAR = (
+    0.6  # [m] from the dock: there depth cameras may measure nothing at all, as their least distance is 0.2 to 0.6
+)
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,13 @@ class ObstacleFinder:
     def use_dock(self, dock: Dock) -> None:
         """Another dock is exempted from now on."""
         self._shape = DockShape(dock, self._settings.sense.dock_margin)
+        self._near = DockShape(dock, _TOO_NEAR)
+
+    def near_dock(self, sight: Sight, T_odom_base: ArrayLike, T_odom_dock: ArrayLike | None) -> bool:
+        """Whether the sensor stands so near to the dock that a depth camera may measure nothing; arguments as
+        `update`'s."""
+        place = transform_points(T_odom_base, sight.view.origin[None])
+        return T_odom_dock is not None and bool(self._near.contains(place, T_odom_dock)[0])
 
     def update(self, stamp: float, sight: Sight, T_odom_base: ArrayLike, T_odom_dock: ArrayLike | None) -> Found:
         """What is in the way after the sight of `stamp` [s].

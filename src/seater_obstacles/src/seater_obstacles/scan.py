@@ -35,10 +35,15 @@ def scan_sight(
 
     Raises:
         TiltedError: the scanner is tilted by more than 0.2 rad.
+        ValueError: angles or limits are none.
     """
     T, r = np.asarray(T_base_sensor, dtype=float), np.asarray(ranges, dtype=float).reshape(-1)
     if abs(T[2, 2]) < np.cos(_LEVEL):
         raise TiltedError("the scanner is tilted by more than 0.2 rad: use its points as a cloud")
+    if not (
+        np.isfinite(angle_min) and np.isfinite(angle_increment) and angle_increment and 0.0 <= limits[0] < limits[1]
+    ):
+        raise ValueError(f"the scan's rays begin at {angle_min}, step {angle_increment}, limits {limits}: cannot be")
     angles = angle_min + angle_increment * np.arange(len(r))
     low, high = limits
     measured = ~np.isnan(r) & (r >= low)
@@ -48,4 +53,4 @@ def scan_sight(
     points = T[:2, 3] + r[hit, None] * directions[hit]
     bearings = np.arctan2(directions[:, 1], directions[:, 0])
     view = View(T[:2, 3], bearings, np.full(len(r), low), np.minimum(r, high), angle_increment)
-    return Sight(points[np.hypot(points[:, 0], points[:, 1]) <= max_range], view)
+    return Sight(points[np.hypot(points[:, 0], points[:, 1]) <= max_range], view, len(points))

@@ -66,3 +66,4 @@ class Sight:
 
     points: Array  # (n, 2) [m] in base_link, of what stands in the way
     view: View
+    met: int  # so many rays or pixels met something, be it floor, dock or the chair itself

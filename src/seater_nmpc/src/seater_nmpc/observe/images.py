@@ -118,7 +118,7 @@ class Images:
         """In words, why no image has been used of late."""
         total = sum(self._since_used.values())
         if total == 0:
-            return "no image came"
+            return "no image came, or none that perception could use (its diagnostics say why)"
         common = self._since_used.most_common()
         parts = [f"{count} {_TEXTS[outcome]}" for outcome, count in common if outcome in _TEXTS and count]
         outside = self._since_used[Outcome.GATE] + self._since_used[Outcome.ELSEWHERE]

@@ -16,14 +16,22 @@ Array = NDArray[np.float64]
 _THIN = 0.025 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])  # [m] round a point or line
 
 
+_MOST = (100, 10_000)  # polygons, corners of all of them: with more a control cycle would come too late
+
+
 def usable_outlines(polygons: Iterable[ArrayLike]) -> tuple[list[Array], list[str]]:
     """The convex hulls (n, 2) of the polygons, and a complaint (index: reason) about each one that says no place.
 
-    A point or a line stands for a thin thing.
+    A point or a line stands for a thin thing. Of more than a control cycle has time for none is taken.
     """
+    given = [np.asarray(polygon, dtype=float).reshape(-1, 2) for polygon in polygons]
+    size = len(given), sum(len(corners) for corners in given)
+    if size[0] > _MOST[0] or size[1] > _MOST[1]:
+        return [], [
+            f"{size[0]} polygons with {size[1]} corners, at most {_MOST[0]} with {_MOST[1]} can be kept clear of"
+        ]
     outlines, complaints = [], []
-    for index, polygon in enumerate(polygons):
-        corners = np.asarray(polygon, dtype=float).reshape(-1, 2)
+    for index, corners in enumerate(given):
         try:
             outlines.append(_outline(corners))
         except ValueError as error:

@@ -61,7 +61,9 @@ class Response:
         self._slowing.restart()
 
     def asked(self, stamp: float, v: float, omega: float) -> None:
-        """What this cycle sends."""
+        """What this cycle sends; of two for one stamp the later one counts (the first are the chair's own speeds)."""
+        if len(self._asked) > 1 and self._asked[-1].stamp == stamp:
+            self._asked.pop()
         self._asked.append(_Asked(stamp, (v, omega)))
         while self._asked[0].stamp < stamp - _MEMORY:
             self._asked.popleft()

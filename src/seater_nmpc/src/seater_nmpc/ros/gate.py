@@ -6,7 +6,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import rospy
@@ -17,6 +17,7 @@ from seater_nmpc.ros.goal_checks import RefusedError
 from seater_nmpc.sequence.goal.results import Result, ResultCode
 
 SETTLED = 0.2  # [s] of message time: in lock-step the state of so long ago has arrived, whoever is faster
+MISSED = 0.35  # [s] of wall time: of ten states a second it has left out some
 PATIENCE = 1.0  # [s] of wall time: longest silence of the gate, and longest wait for its answer
 
 CODES = {
@@ -47,11 +48,17 @@ class Gate:
         simulator waits for the slowest."""
         self._lock_step = lock_step
         self._consent, self._confirmed, self._heard = 0, False, 0.0
+        self._arrived = 0.0  # of the last state, whether it has been worked through or not
         self.held_by = ""  # why the gate stopped the chair last for something in the way
         self._held: deque[tuple[float, bool]] = deque([(0.0, False)], maxlen=100)  # stamp [s], see `holds`
         self._motor_fault = rospy.Publisher("motor_fault", MotorFault, queue_size=10, tcp_nodelay=True)
         self._service = rospy.ServiceProxy("gate_arm", GateArm)
-        rospy.Subscriber("gate_state", GateState, lambda m: enqueue("gate", m), queue_size=10, tcp_nodelay=True)
+
+        def on_arrival(message: GateState) -> None:
+            self._arrived = time.monotonic()
+            enqueue("gate", message)
+
+        rospy.Subscriber("gate_state", GateState, on_arrival, queue_size=10, tcp_nodelay=True)
 
     def arm(self, *, undock: bool = False) -> None:
         """Ask that the requests of this goal pass; `undock`: it leaves the dock.
@@ -98,6 +105,14 @@ class Gate:
         if self._lock_step or not self._consent or time.monotonic() - self._heard <= PATIENCE:
             return None
         return Loss(ResultCode.GATE_LOST, f"the safety gate has been silent for {PATIENCE:.0f} s")
+
+    def named(self, result: Result) -> Result:
+        """A chair that stands as nobody passes its requests on is not blocked: the gate is named before it has been
+        silent for long enough to say so by itself."""
+        silent = time.monotonic() - self._arrived
+        if self._lock_step or result.code is not ResultCode.BLOCKED or silent <= MISSED:
+            return result
+        return replace(result, code=ResultCode.GATE_LOST, text=f"the safety gate has been silent for {silent:.1f} s")
 
     def _ask(self, *, undock: bool) -> GateArmResponse | None:
         """The gate's answer; None when there is none in time. In a thread of its own: a call has no time-out."""

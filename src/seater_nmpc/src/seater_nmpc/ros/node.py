@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 import time
+from dataclasses import replace
 from typing import Any
 
 import rospy
@@ -177,7 +178,11 @@ class DockingNode:
         if self._core.sequence.active:
             self._core.sequence.held, self._core.sequence.held_by = self._gate.holds(now), self._gate.held_by
             step = self._core.sequence.update(now, self._contact)
-            self._send(step, ask=step.result is not None or self._age.behind(self._out.stamp) <= OUT_OF_DATE)
+            step = step if step.result is None else replace(step, result=self._gate.named(step.result))
+            ask = step.result is not None or self._age.behind(self._out.stamp) <= OUT_OF_DATE
+            self._send(step, ask=ask)
+            if not ask:
+                self._core.sequence.withhold(now)
         else:
             if self._zeros > 0:
                 self._zeros -= 1
@@ -254,6 +259,8 @@ class DockingNode:
                 self._check_way_to(name, search=prior is not None)
             self._gate.arm(undock=kind == "undock")  # a new goal is a new consent
         except RefusedError as refused:
+            # Whoever gave it has let go of the goal before: actionlib's simple client forgets it and cannot cancel it.
+            self._abort(ResultCode.CANCELED, f"replaced by a goal that is refused: {refused.text}")
             return self._goals.refuse(kind, handle, refused.code, refused.text)
         self._abort(ResultCode.CANCELED, "replaced by a new goal", release=False)
         self._goals.accept(kind, handle)

@@ -38,6 +38,7 @@ from seater_nmpc.sequence.phases.context import STANDING, Context
 from seater_nmpc.sequence.phases.phases import Phases
 from seater_nmpc.sequence.report import make_result, make_step, standard_deviations
 
+_KEPT = 0.25  # [s] of silence for which the safety gate keeps to the last request (its request_timeout, as shipped)
 _SLIPPING = 1.0  # of the observer: from here on wheels slip, and what the chair does says nothing of its motors
 # Ends at the dock: a wrong installation leads to each of them.
 _AT_THE_DOCK = (ResultCode.SUCCESS, ResultCode.NOT_WITHIN_TOLERANCE, ResultCode.FAILED_TO_CHARGE)
@@ -90,6 +91,7 @@ class DockingSequence:
         self.active = False
         self._pause: Pause | None = None
         self._prior: tuple[ArrayLike | None, float] = (None, 0.0)
+        self._passed = self._asked = (-math.inf, STANDING)  # stamp [s] and command: the last that was sent, the newest
         self.held = False  # the safety gate lets nothing pass, as something is in the way: standing is no failure then
         self.held_by = ""  # that, in words
         self.unsure = ""  # why it is not known what is in the way, in words; empty: it is
@@ -258,10 +260,21 @@ class DockingSequence:
         self._watch.begin(now)
 
     def _step(self, now: float, command: Command, result: Result | None = None) -> Step:
-        sent = STANDING if self.held else command
-        self._controller.history.sent(now, sent.v, sent.omega)  # some are the sequence's own
-        self._watch.asked(now, sent.v, sent.omega)
+        self._passed, self._asked = self._asked, (now, STANDING if self.held else command)
+        self._note(now, self._asked[1])
         return self._report(now, command, result)
+
+    def withhold(self, now: float) -> None:
+        """The command of the last `update`, at message time `now` [s], was out of date and has not been sent: the one
+        before acts on, until the safety gate brakes in the silence. A chair that stands then is not blocked."""
+        self._asked = self._passed
+        stamp, command = self._passed
+        self._note(now, command if now - stamp < _KEPT else STANDING)
+
+    def _note(self, now: float, acts: Command) -> None:
+        """What the motors are told from now on; some commands are the sequence's own."""
+        self._controller.history.sent(now, acts.v, acts.omega)
+        self._watch.asked(now, acts.v, acts.omega)
 
     def _report(self, now: float, command: Command, result: Result | None = None) -> Step:
         return make_step(self._goal, now, self._dock, self.observer.estimate(), command, result)

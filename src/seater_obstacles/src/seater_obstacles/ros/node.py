@@ -19,6 +19,7 @@ from seater_obstacles.ros import messages
 from seater_obstacles.ros.frames import Frames, Where
 from seater_obstacles.ros.sources import SOURCES, Source
 from seater_obstacles.settings import ObstacleSettings
+from seater_obstacles.watch import SensorWatch
 
 _WARNING_PERIOD = 5.0  # [s] between two warnings
 
@@ -36,6 +37,7 @@ class ObstacleNode:
         self._frames = Frames(**names)
         self._finder = ObstacleFinder(settings, chair, dock)
         self._where = Where(self._frames, lock_step)
+        self._watch = SensorWatch(settings.cluster.min_points)
         self._source = Source(_source_kind(), settings.sense, 10 if lock_step else 1)
         self._outlines = rospy.Publisher("obstacles", ObstacleArray, queue_size=10, tcp_nodelay=True)
         self._points = rospy.Publisher("obstacle_points", ObstaclePoints, queue_size=10, tcp_nodelay=True)
@@ -66,6 +68,8 @@ class ObstacleNode:
         try:
             places = self._where.at(header)
             sight = self._source.sight(message, places.T_base_sensor)
+            near = kind != "scan" and self._finder.near_dock(sight, places.T_odom_base, places.T_odom_dock)
+            self._watch.check(sight, self._source.measured(message), places.T_odom_base, too_near=near)
         except (tf2_ros.TransformException, ValueError) as error:
             self._trouble = str(error)
             rospy.logwarn_throttle(_WARNING_PERIOD, "obstacles cannot be seen: %s", error)

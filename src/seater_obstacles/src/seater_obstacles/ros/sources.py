@@ -30,6 +30,7 @@ class Source:
         self.kind, self._settings, self._queue_size = kind, settings, queue_size
         self._depth = DepthImages(settings.stride)
         self._K: Array | None = None
+        self._size = (0, 0)  # width and height that `_K` is of [px]; 0: not told
         self._makers: dict[str, Callable[[Any, Array], Sight]] = {
             "scan": self._of_scan,
             "cloud": lambda m, T: cloud_sight(messages.cloud_points(m), T, settings),
@@ -48,6 +49,10 @@ class Source:
         """Raises ValueError: the message cannot be used, with the reason."""
         return self._makers[self.kind](message, T_base_sensor)
 
+    def measured(self, message: Any) -> bytes:
+        """What the sensor told, without stamp: equal when it repeats itself."""
+        return np.asarray(message.ranges).tobytes() if self.kind == "scan" else bytes(message.data)
+
     def _of_scan(self, m: LaserScan, T: Array) -> Sight:
         limits = (m.range_min, m.range_max)
         return scan_sight(m.ranges, m.angle_min, m.angle_increment, limits, T, self._settings.max_range)
@@ -55,9 +60,13 @@ class Source:
     def _of_depth(self, m: Image, T: Array) -> Sight:
         if self._K is None:
             raise ValueError("no camera_info of the depth image yet")
+        if self._size not in ((0, 0), (m.width, m.height)):
+            theirs = " x ".join(str(side) for side in self._size)
+            raise ValueError(f"depth image: is {m.width} x {m.height}, its camera_info of {theirs} pixels")
         return cloud_sight(self._depth.cloud(messages.depth_pixels(m), self._K), T, self._settings)
 
     def _on_info(self, message: CameraInfo) -> None:
         """Rectified images: the left part of P; without one, K."""
+        self._size = message.width, message.height
         P = np.array(message.P).reshape(3, 4)[:, :3]
         self._K = P if P[0, 0] > 0.0 else np.array(message.K).reshape(3, 3)

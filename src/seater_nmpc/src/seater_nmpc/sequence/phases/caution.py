@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from seater_common.se2 import relative
+from seater_common.separation import edge_distances, footprints
 from seater_nmpc.control.command import Command
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.plan.corridor import Corridor
@@ -16,6 +18,7 @@ _BY_SIGHT = (Phase.APPROACH, Phase.FINAL, Phase.RETRY, Phase.CORRECTING, Phase.S
 _DRIVING = (*_BY_SIGHT, Phase.UNDOCKING, Phase.SEARCHING)
 _NEAR, _FAR = 0.15, 0.6  # [m] before the dock
 _GROWTH = 6.0  # [1/m] of `arrival_way` with the distance between them
+_CORE = 0.5  # times the footprint: hulls of what stands close by may reach as far into it
 _BRAKING = 0.5  # of `a_max`, farther away
 
 
@@ -25,6 +28,8 @@ class Caution:
     def __init__(self, context: Context, finding: Finding) -> None:
         self._context, self._finding = context, finding
         self._corridor = Corridor(context.chair, context.dock, context.parameters)
+        middle = context.chair.corners().mean(axis=0)
+        self._core = middle + _CORE * (context.chair.corners() - middle)
         self.begin()
 
     def begin(self) -> None:
@@ -74,7 +79,8 @@ class Caution:
 
     def _wait_to_be_sure(self, chair: Instant) -> Command | None:
         """Stand while it is not known what is in the way; not for ever."""
-        c, unsure = self._context, self._context.goal.unsure
+        c = self._context
+        unsure = c.goal.unsure or self._stood_on(chair)
         if not unsure or c.goal.phase not in _DRIVING:
             self._unsure_since = None
             return None
@@ -86,6 +92,17 @@ class Caution:
         c.controller.reset()
         c.stand_patiently()
         return replace(STANDING, text=f"waits to know what is in the way: {unsure}")
+
+    def _stood_on(self, chair: Instant) -> str:
+        """An outline that reaches far into the chair is none (another frame, millimetres, the chair itself seen): to
+        get out of it would be to drive away blind, as far as it goes."""
+        c, estimate = self._context, self._context.observer.estimate(chair.stamp)
+        if estimate is None:
+            return ""
+        core = footprints(self._core, relative(estimate.pose, chair.pose)[None])
+        if all(edge_distances(core, outline)[0] >= 0.0 for outline in c.controller.obstacles):
+            return ""
+        return "an obstacle is told where the chair itself stands"
 
     def _wait_for_sight(self, chair: Instant) -> Asked | None:
         """Stand while the dock has not been seen for too long; not for ever."""
