@@ -385,6 +385,24 @@ def test_a_focal_length_that_changes_in_the_bay_is_no_success(make_world, share,
     assert result.text.startswith("on the way the dock jumped by") and "check the focal length" in result.text
 
 
+def turned(angle: float):
+    """By a camera that was knocked aside [rad]."""
+    turn = np.eye(4)
+    turn[0, 0] = turn[2, 2] = math.cos(angle)
+    turn[0, 2], turn[2, 0] = math.sin(angle), -math.sin(angle)
+    return lambda world, found: [replace(seen, T_optical_dock=turn @ seen.T_optical_dock) for seen in found]
+
+
+@pytest.mark.parametrize("angle", [0.044, seldom(-0.044), seldom(0.035)])
+def test_a_camera_that_is_knocked_aside_in_the_bay_is_no_slip(make_world, angle) -> None:
+    """A chair's wheels turn it by no more than they have rolled since the image before. It said SUCCESS, 25 mm off."""
+    world, _ = driving(make_world, (-1.2, 0.03, 1.0), -0.4)
+    world.shows = turned(angle)
+    result = world.run(60.0).result
+    assert result is not None and result.code is ResultCode.INCONSISTENT, result
+    assert "jumped" in result.text or "the camera's yaw" in result.text
+
+
 def test_a_jump_in_the_images_is_no_speed(make_world) -> None:
     """It ended with ODOMETRY_WRONG, "0.35 m/s by the images", or with WHEELS_SLIP."""
     world, _ = driving(make_world, (-1.2, 0.03, 1.0), -0.3)

@@ -32,7 +32,10 @@ std::string MasterLink::check() const {
 }
 
 bool MasterLink::wasPressed() {
-  return ros::param::param("~emergency_stop_pressed", false);
+  XmlRpc::XmlRpcValue kept;
+  if (!ros::param::get("~emergency_stop_pressed", kept)) return false;
+  // What somebody has set by hand may be a number or a word; only a plain "no" releases the chair.
+  return kept.getType() != XmlRpc::XmlRpcValue::TypeBoolean || static_cast<bool>(kept);
 }
 
 void MasterLink::work() {

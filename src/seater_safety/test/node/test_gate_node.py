@@ -184,10 +184,14 @@ def test_a_killed_gate_is_silent_and_another_has_no_consent(driver: Driver, own_
 
 
 def test_an_emergency_stop_is_remembered_by_the_next_gate(driver: Driver, own_gate: Gate) -> None:
+    """In a parameter; one that somebody has set by hand to anything but a plain no counts, too."""
     driver.press(True)
     time.sleep(0.3)
     own_gate.kill()
     own_gate.wait(timeout=5.0)
+    parameters, key = rosgraph.Master("/test"), "/safety_gate/emergency_stop_pressed"
+    assert parameters.getParam(key) is True
+    parameters.setParam(key, 1)
     again = start_gate()
     driver.connect()
     wait_until(lambda: driver.state.state == GateState.EMERGENCY_STOP, "the stop to be remembered")

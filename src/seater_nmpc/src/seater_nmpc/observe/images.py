@@ -33,7 +33,8 @@ _TEXTS = {
 
 @dataclass(frozen=True)
 class Jump:
-    """The dock was acquired anew, or may be, where images that were not believed at first show it."""
+    """The dock was acquired anew, or may be, where images that were not believed at first show it; or slip was taken for
+    the cause."""
 
     before: Instant  # the chair at the last image that was used
     doubted: list[tuple[Instant, Array, Innovation]]  # the first of them: chair, dock (3,) in odom, how far off that is
@@ -80,9 +81,11 @@ class Images:
             if chair is not None and fusion.innovation is not None and len(self._off) < _FIRST_DOUBTED:
                 self._off.append((chair, offered[0].pose, fusion.innovation))
         elif fusion.outcome.accepted:
-            if fusion.outcome is Outcome.FUSED and as_expected and doubted:
+            if fusion.outcome is Outcome.ACQUIRED:
+                self.jump = None
+            elif doubted and fusion.outcome is Outcome.FUSED and as_expected:
                 self._drop(*self._doubted)
-            if fusion.outcome is Outcome.REACQUIRED:
+            elif doubted:
                 self.jump = self.doubted
             self._last_rejected, self._off, self._used = None, [], chair
             self._since_used.clear()

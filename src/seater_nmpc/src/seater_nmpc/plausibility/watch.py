@@ -224,6 +224,7 @@ class Watch:
         known, acquired = self._observer.estimate(), self._observer.images.counts[Outcome.ACQUIRED]
         if acquired > self._acquired and self._known:  # what came before was measured against another pose
             self._installation.restart()
+            self._shift = None
         self._acquired, self._known = acquired, known is not None
         for chair, offered in shown if known is not None else []:
             if known is not None and chair.stamp > self._compared:
