@@ -99,3 +99,41 @@ def test_one_that_has_just_been_late_to_speed_up_is_late_to_slow_down() -> None:
         now = CYCLE * cycle
         speed += (soon(max(0.0, now - 0.4)) - speed) * (1.0 - math.exp(-CYCLE / 0.3))
         assert slowing.keeps(now, speed, soon) is None
+
+
+def over_a_sill(springs: float, held: float, keeps: float = 0.0) -> float:
+    """When [s] it is noticed that a chair does not slow down; infinite: never. It is slower than asked by `held` [m/s]
+    at 2.9 s, then up to `springs` [m/s] faster for 0.25 s; with `keeps` [s] for so long, at the same speed."""
+    slowing, most = begun(), 0.0
+    for cycle in range(1, 100):
+        now = CYCLE * cycle
+        speed, since = asked(now - DELAY - LAG), now - 2.85
+        if 0.0 < since < 0.12:
+            speed -= held
+        elif 0.17 < since < max(0.42, keeps):
+            speed = most = max(speed + springs, most if keeps else 0.0)
+        if slowing.keeps(now, speed, asked) is not None:
+            return now
+    return math.inf
+
+
+@pytest.mark.parametrize("held", [0.03, 0.06])
+@pytest.mark.parametrize("springs", [0.08, 0.12])
+def test_one_that_a_sill_has_held_springs_ahead(springs: float, held: float) -> None:
+    """Two of 180 chairs of rigid bodies ended with RUNAWAY behind sills of 5 and 6 mm."""
+    assert over_a_sill(springs, held) == math.inf
+
+
+def test_one_that_keeps_that_speed_is_noticed() -> None:
+    assert over_a_sill(0.08, 0.06, keeps=9.0) < 2.85 + 0.7
+
+
+def test_one_that_speeds_up_instead_is_noticed() -> None:
+    """As soon as the 0.4 s are over in which it might swing back."""
+    slowing, found = begun(), math.inf
+    for cycle in range(1, 100):
+        now = CYCLE * cycle
+        speed = asked(now - DELAY - LAG) + max(0.0, now - 2.9)
+        if slowing.keeps(now, speed, asked) is not None:
+            found = min(found, now)
+    assert found < 2.9 + 0.55

@@ -29,6 +29,9 @@ _MEMORY = 1.0  # [s]
 # [m/s] slower than predicted, whatever the delay, and [s] after that, in which its delay or lag is not learned yet: one
 # of 30 independent chairs was called a runaway 2.5 s after its first command.
 _LATE, _LEARNS = 0.05, 1.5
+# Motors that have pushed a chair over a sill let it go: one that has sped up by this much [m/s] since it was slowest
+# has so long [s] from then to swing back.
+_SPED_UP, _LET_GO = 0.03, 0.4
 _SAME_TIME = 1e-6  # [s]
 
 
@@ -66,6 +69,8 @@ class Slowing:
             self._late = now
         if abs(speed) < _DRIVES or abs(speed) < expected + _BEYOND or now - self._late < _LEARNS:
             return None
+        if self._let_go(newest, forward):
+            return None
         keeps = any(self._keeps_over(newest, forward, *window) for window in _WINDOWS)
         return forward * expected if keeps else None
 
@@ -88,6 +93,11 @@ class Slowing:
         # In the second half of the window, too: a late chair may have begun to slow down within it.
         follows = max(forward * (first.speed - newest.speed), 2.0 * forward * (middle.speed - newest.speed))
         return slower >= least and follows < _FOLLOWS * slower
+
+    def _let_go(self, newest: _Moment, forward: float) -> bool:
+        slowest = min(self._moments, key=lambda moment: forward * moment.speed)
+        springs = forward * (newest.speed - slowest.speed) > _SPED_UP
+        return springs and newest.stamp - slowest.stamp <= _LET_GO + _SAME_TIME
 
     def _at(self, stamp: float) -> _Moment | None:
         return next((m for m in reversed(self._moments) if m.stamp <= stamp + _SAME_TIME), None)
