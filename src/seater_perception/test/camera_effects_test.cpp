@@ -129,6 +129,31 @@ TEST(Camera, ExposureMayChangeFromImageToImageAndWithinOne) {
   }
 }
 
+// A lens blurs light, the tone curve comes after it. In grey levels white has then grown into black: 0.3 to 0.5 px at
+// corners, which a fit that knows nothing of it shows (outline of 60 px: 1 % of the distance).
+TEST(Camera, ToneCurveAfterTheLens) {
+  const Calibration c = scene::calibration();
+  for (const double exponent : {1.0, 2.2}) {
+    for (const double side : {40.0, 90.0}) {
+      View view = viewOf(c, side, Vector2d(0.1, -0.05), 0.5);
+      const auto light = [exponent](double grey) { return 255.0 * std::pow(grey / 255.0, exponent); };
+      view.blur = 0.9, view.black = light(60.0), view.white = light(225.0);
+      cv::Mat image = photo_scene::clean(view) / 255.0;
+      cv::pow(image, 1.0 / exponent, image);
+      DockTracker tracker = trackerOf(c);
+      for (unsigned seed = 1; seed <= 2; ++seed) {  // searched, then tracked
+        const DetectionResult result = tracker.detect(photo_scene::withNoise(255.0 * image, 1.5, seed));
+        const double error = positionError(result, view.pose) / asDistance(view, 1.0);
+        std::printf("  exponent %.1f, side %.0f px: error of the side %.3f px\n", exponent, side, error);
+        EXPECT_LT(error, 0.1);
+        ASSERT_EQ(result.markers.size(), 1U);
+        EXPECT_EQ(result.markers[0].stage, PoseStage::photometric);
+        EXPECT_EQ(result.full_search, seed == 1);
+      }
+    }
+  }
+}
+
 // One round blur describes a path of some pixels, one blur for each direction a longer one.
 TEST(Camera, MotionBlurUpToEightPixels) {
   for (const double side : {60.0, 100.0}) {

@@ -1,11 +1,15 @@
 #include "image/exposure.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "image/pixel_rect.h"
 
 namespace seater_perception {
 namespace {
+
+constexpr double kRange = 255.0;
 
 template <typename Pixel>
 double cutOff(const cv::Mat& part) {
@@ -29,6 +33,18 @@ double whiteCutOff(const cv::Mat& grey, const Eigen::AlignedBox2d& part) {
   const cv::Rect rect = pixelRect(grey, part);
   if (rect.empty()) return 0.0;
   return grey.depth() == CV_16U ? cutOff<ushort>(grey(rect)) : cutOff<uchar>(grey(rect));
+}
+
+double lightOf(double grey, double exponent) {
+  return std::pow(std::max(0.0, grey), exponent);
+}
+
+cv::Mat inLight(const cv::Mat& grey, double exponent) {
+  if (exponent == 1.0) return grey;
+  cv::Mat table(1, 256, CV_8U), light;
+  for (int i = 0; i < 256; ++i) table.at<uchar>(i) = cv::saturate_cast<uchar>(kRange * lightOf(i / kRange, exponent));
+  cv::LUT(grey, table, light);
+  return light;
 }
 
 }  // namespace seater_perception

@@ -29,19 +29,6 @@ std::set<int> idsOf(const DockLayout& layout) {
   return ids;
 }
 
-/// Of a marker's hypotheses, the one whose attitude is nearest to this pose's.
-void keepNearest(const Eigen::Isometry3d& pose, MarkerEstimate& marker) {
-  const auto turn = [&pose](const PoseHypothesis& h) {
-    return Eigen::AngleAxisd(h.pose.linear().transpose() * pose.linear()).angle();
-  };
-  PoseHypothesis nearest = *std::min_element(marker.hypotheses.begin(), marker.hypotheses.end(),
-                                             [&](const auto& a, const auto& b) { return turn(a) < turn(b); });
-  nearest.weight = 1.0;
-  marker.hypotheses = {nearest};
-  marker.ambiguity = 0.0;
-  marker.branch_known = true;
-}
-
 }  // namespace
 
 DetectionResult resultOf(const ImageEstimate& estimate, bool full_search) {
@@ -76,7 +63,8 @@ std::optional<MarkerEstimate> DetectionPipeline::expected(const MarkerCorners& f
   return usable ? marker : std::nullopt;
 }
 
-ImageEstimate DetectionPipeline::evaluate(const SearchResult& found, const std::map<int, MarkerEstimate>& last) {
+ImageEstimate DetectionPipeline::evaluate(const SearchResult& found, const std::map<int, MarkerEstimate>& last,
+                                          const std::optional<Tone>& tone) {
   const cv::Mat& grey = found.lit;
   checkImage(grey, camera_);
   ImageEstimate result;
@@ -94,7 +82,8 @@ ImageEstimate DetectionPipeline::evaluate(const SearchResult& found, const std::
     }
   }
   const bool photometric = parameters_.refinement == "photometric";
-  if (photometric) refineMarkers(grey, tracked, result);
+  ImageFits image;
+  if (photometric) image = refineMarkers(grey, tone, tracked, result);
   for (MarkerEstimate& marker : result.markers) {
     const Eigen::AlignedBox2d box = boundingBox(marker.image.corners);
     const Eigen::Vector2d margin = kQuietZone * box.sizes();
@@ -102,8 +91,7 @@ ImageEstimate DetectionPipeline::evaluate(const SearchResult& found, const std::
   }
   result.dock = estimateDock(camera_, result.markers, layout_, parameters_.selection, up_, parameters_.pose);
   if (photometric) {
-    const PhotometricContext context{grey, camera_, parameters_.pose, refiner_, patterns_};
-    result.dock = refineDock(context, layout_, up_, result.markers, result.dock).dock;
+    result.dock = refineDock(contextOf(image), layout_, up_, result.markers, result.dock).dock;
   }
   addPlacementError(camera_, layout_, parameters_.pose.placement_sigma, result.dock);
   return result;
@@ -116,43 +104,21 @@ PosePrior DetectionPipeline::priorOf(int id) const {
   return prior;
 }
 
-/// Where several markers together leave one pose of the dock only, each one's branch is known.
-void DetectionPipeline::keepDecided(const std::vector<DockHypothesis>& dock, MarkerEstimate& marker) const {
-  const auto place = layout_.markers.find(marker.image.id);
-  if (place == layout_.markers.end() || dock.size() != 1 || dock.front().marker_ids.size() < 2) return;
-  keepNearest(dock.front().pose * place->second.T_dock_marker(), marker);
-}
-
-/// A tracked marker that the fit does not confirm is done again from its edges.
-DetectionPipeline::Fit DetectionPipeline::fit(const PhotometricContext& context,
-                                              const std::vector<DockHypothesis>& dock, const MarkerEstimate& marker,
-                                              bool tracked) const {
-  Fit fit{marker, {}, tracked};
-  keepDecided(dock, fit.found);
-  fit.refined = refineMarker(context, fit.found, tracked);
-  if (fit.refined.outcome != MarkerOutcome::doubtful) return fit;
-  const bool of_this_image = startAgain(context.grey, fit.found);
-  keepDecided(dock, fit.found);
-  fit.refined = refineMarker(context, fit.found, false);
-  fit.as_tracked = false;
-  // Poses of the last image.
-  if (fit.refined.outcome != MarkerOutcome::refined && !of_this_image) fit.refined.marker.hypotheses.clear();
-  return fit;
-}
-
-/// [px] Of the image's shifts at a marker: by what its own fit has left over, and the others'.
-double DetectionPipeline::shiftSigma(const std::vector<Fit>& fits, const Fit& of) const {
+/// [px] Of the image's shifts at a marker: by what its own fit has left over, and the others'. Of none: all alike.
+double DetectionPipeline::shiftSigma(const ImageFits& image, const Fit* of) const {
   const double usual = parameters_.pose.model_sigma;
-  if (usual == 0.0 && !of.refined.deviates) return 0.0;
+  if (usual == 0.0 && of && !of->refined.deviates) return 0.0;
   ShiftField field;
-  const double others = std::min(1.0, kOthers / std::max(1.0, static_cast<double>(fits.size()) - 1.0));
-  for (const Fit& f : fits) {
-    if (f.refined.outcome != MarkerOutcome::refined) continue;
-    const ShiftEvidence& seen = f.refined.shifts;
-    const double weight = &f == &of ? 1.0 : others;
+  const double count = static_cast<double>(image.of.size());
+  const double others = std::min(1.0, kOthers / std::max(1.0, of ? count - 1.0 : count));
+  for (const auto& f : image.of) {
+    if (!f || f->refined.outcome != MarkerOutcome::refined) continue;
+    const ShiftEvidence& seen = f->refined.shifts;
+    const double weight = of == &*f ? 1.0 : others;
     for (std::size_t k = 0; k < seen.square.size(); ++k) field.add(seen.information[k], seen.square[k], weight);
   }
-  return std::hypot(usual > 0.0 ? kLeastShift : 0.0, std::sqrt(field.variance(usual)));
+  return std::max(image.tone.shift_sigma,
+                  std::hypot(usual > 0.0 ? kLeastShift : 0.0, std::sqrt(field.variance(usual))));
 }
 
 MarkerEstimate DetectionPipeline::settled(const PhotometricContext& context, const std::vector<DockHypothesis>& dock,
@@ -169,14 +135,14 @@ MarkerEstimate DetectionPipeline::settled(const PhotometricContext& context, con
   return marker;
 }
 
-void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& tracked, ImageEstimate& result) {
-  const PhotometricContext context{grey, camera_, parameters_.pose, refiner_, patterns_};
+DetectionPipeline::ImageFits DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::optional<Tone>& tone,
+                                                              const std::set<int>& tracked, ImageEstimate& result) {
   const auto dock = estimateDock(camera_, result.markers, layout_, "bundle", up_, parameters_.pose);
-  std::vector<Fit> fits;
-  for (const MarkerEstimate& m : result.markers) fits.push_back(fit(context, dock, m, tracked.count(m.image.id) > 0));
+  const ImageFits image = fitImage(grey, tone, {result.markers, tracked, dock});
+  result.tone = image.tone;
   result.markers.clear();
-  for (const Fit& f : fits) {
-    const MarkerEstimate marker = settled(context, dock, shiftSigma(fits, f), f);
+  for (const auto& fit : image.of) {
+    const MarkerEstimate marker = settled(contextOf(image), dock, shiftSigma(image, &*fit), *fit);
     // Its bits have proved the marker. That the grey levels are not as the model has them does not unmake it.
     if (marker.hypotheses.empty() || marker.image.side() < parameters_.detector.min_side) {
       ++result.refused;
@@ -184,6 +150,7 @@ void DetectionPipeline::refineMarkers(const cv::Mat& grey, const std::set<int>& 
       result.markers.push_back(marker);
     }
   }
+  return image;
 }
 
 /// Poses of the corners, when they give one.
@@ -203,16 +170,6 @@ void DetectionPipeline::leaveOpen(const std::vector<DockHypothesis>& dock, const
   by_corners.model_sigma = std::max(refined.model_sigma, refined.shift_sigma);
   keepCorners(dock, by_corners);
   openBranches(by_corners, refined);
-}
-
-/// From its corners, with edges; false, and nothing changed, when they give no pose.
-bool DetectionPipeline::startAgain(const cv::Mat& grey, MarkerEstimate& marker) const {
-  MarkerCorners corners = marker.image;
-  corners.psf_sd = corners.edges_fitted ? corners.psf_sd : 0.0;
-  if (!corners.edges_fitted) search_.refine(grey, corners);
-  const auto again = estimateMarker(camera_, corners, marker.size, priorOf(corners.id), parameters_.pose);
-  if (again) marker = *again;
-  return again.has_value();
 }
 
 }  // namespace seater_perception

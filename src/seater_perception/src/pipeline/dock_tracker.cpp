@@ -138,7 +138,7 @@ DetectionResult DockTracker::Implementation::detect(const cv::Mat& grey,
   std::vector<MarkerCorners> repeated;
   bool full_search = true;
   if (!wanted.empty() && since_full_search_ + 1 < parameters_.full_search_every) {
-    estimate = pipeline_.evaluate(pipeline_.search().searchNear(grey, wanted), lastMarkers(T_now_last));
+    estimate = pipeline_.evaluate(pipeline_.search().searchNear(grey, wanted), lastMarkers(T_now_last), last_.tone);
     full_search = estimate.markers.empty();
   }
   if (full_search) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
+#include "image/exposure.h"
 #include "image/image_noise.h"
 #include "stage/fitted_hypotheses.h"
 #include "stage/initial_poses.h"
@@ -34,10 +35,11 @@ constexpr double kHiddenShift = 2.5;
 constexpr double kBloom = 0.3, kMuchClipped = 0.3;
 
 /// Grey levels that the sensor could have seen, and a point spread function that leaves cells distinct.
-bool plausible(const PhotometricResult& result, double side, int cells, double full_scale) {
+bool plausible(const PhotometricResult& result, double side, int cells, double full_scale, double exponent) {
   // Where the image is clipped, the sensor does not know how dark or light it would have been.
   const auto beyond = [full_scale](double clipped) { return (clipped > kClipped ? 1.0 : kBeyondScale) * full_scale; };
-  const double least = -beyond(result.clipped_low), most = full_scale + beyond(result.clipped_high);
+  const double least = -beyond(result.clipped_low),
+               most = full_scale * lightOf(1.0 + beyond(result.clipped_high) / full_scale, exponent);
   for (const Brightness& b : result.brightness) {
     if (b.used && (b.offset < least || b.offset + b.gain > most)) return false;
   }
@@ -93,7 +95,7 @@ std::vector<PoseHypothesis> MarkerFits::fitFrom(PhotometricRefiner& by, const st
   const double side = marker_.image.side(), full_scale = context_.grey.depth() == CV_16U ? 65535.0 : 255.0;
   double best = std::numeric_limits<double>::infinity();
   for (auto& b : branches_) {
-    b.result.converged = b.result.converged && plausible(b.result, side, cells_, full_scale);
+    b.result.converged = b.result.converged && plausible(b.result, side, cells_, full_scale, context_.exponent);
     if (!b.result.converged || b.chi_square >= best) continue;
     best = b.chi_square;
     compareWithNoise(b.result);
@@ -108,6 +110,7 @@ void MarkerFits::compareWithNoise(const PhotometricResult& result) {
   misfit_ = residual / noiseBeside(result);
   psf_sd_ = result.psf_sd;
   shifts_ = result.shifts;
+  explained_ = result.explained;
   model_sigma_ = std::hypot(shiftOf(result, residual, misfit_), bloomOf(result));
   // Curves of grey levels (equalised, binarised images) leave residuals that say little of places.
   if (result.explained < smallestExplained()) model_sigma_ = std::max(model_sigma_, context_.pose.corner_sigma_coarse);

@@ -31,6 +31,8 @@ class MarkerFits {
   double psfSd() const { return psf_sd_; }
   /// [grey levels] rms at edges, of the same.
   double residual() const { return residual_; }
+  /// Of the same, as of PhotometricResult; 0: none has converged.
+  double explained() const { return explained_; }
   /// [px] standard deviation of a corner by what the residuals at edges are more than noise; 0: they are noise.
   double modelSigma() const { return model_sigma_; }
   /// What the same has left over of shifts of parts of the print.
@@ -52,7 +54,7 @@ class MarkerFits {
   const int cells_;
   std::optional<Brightness> brightness_;
   std::vector<PhotometricBranch> branches_;  // of the last fits
-  double residual_ = 0.0, misfit_ = 0.0, psf_sd_ = 0.0, model_sigma_ = 0.0;
+  double residual_ = 0.0, misfit_ = 0.0, psf_sd_ = 0.0, model_sigma_ = 0.0, explained_ = 0.0;
   ShiftEvidence shifts_;
   double beside_ = 0.0;  // noise round the marker, once it is known
 };

@@ -114,9 +114,10 @@ std::vector<PoseHypothesis> fittedCarefully(const PhotometricContext& context, c
 RefinedMarker refineMarker(const PhotometricContext& context, const MarkerEstimate& marker, bool tracked) {
   MarkerFits fits(context, marker, tracked);
   auto [hypotheses, whole] = fitted(context, marker, tracked, fits);
-  if (tracked && (hypotheses.empty() || fits.misfit() > kMisfit)) return {MarkerOutcome::doubtful, marker, true, {}};
+  if (tracked && (hypotheses.empty() || fits.misfit() > kMisfit))
+    return {MarkerOutcome::doubtful, marker, true, {}, 0.0};
   if (hypotheses.empty()) hypotheses = fittedCarefully(context, marker, fits);
-  RefinedMarker refined{MarkerOutcome::corners_kept, marker, fits.modelSigma() > 0.0, fits.shifts()};
+  RefinedMarker refined{MarkerOutcome::corners_kept, marker, fits.modelSigma() > 0.0, fits.shifts(), fits.explained()};
   // Of fits that failed, residuals say little, but corners are not as far off as any part of a cell.
   const double coarse = context.pose.corner_sigma_coarse;
   const double shown = std::min(fits.modelSigma(), kCoarseCorners * marker.image.side() / fits.cells());

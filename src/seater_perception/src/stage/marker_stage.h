@@ -17,6 +17,7 @@ struct PhotometricContext {
   const PoseParameters& pose;
   PhotometricRefiner& refiner;
   PatternBook& patterns;
+  double exponent = 1.0;  ///< `grey` is light, grey levels to the power of it (image/exposure.h)
 };
 
 /// How the refinement of a marker ended.
@@ -28,9 +29,10 @@ enum class MarkerOutcome {
 
 struct RefinedMarker {
   MarkerOutcome outcome = MarkerOutcome::corners_kept;
-  MarkerEstimate marker;  ///< poses are changed only when the outcome is `refined`, model_sigma is set always
-  bool deviates = false;  ///< what the fit has left over is more than noise
-  ShiftEvidence shifts;   ///< what it has left over of shifts of parts of the print
+  MarkerEstimate marker;   ///< poses are changed only when the outcome is `refined`, model_sigma is set always
+  bool deviates = false;   ///< what the fit has left over is more than noise
+  ShiftEvidence shifts;    ///< what it has left over of shifts of parts of the print
+  double explained = 0.0;  ///< as of PhotometricResult; 0: no fit converged
 };
 
 /// Poses of a detected marker. Fits begin at all its hypotheses which the corners cannot tell apart. Where the image is
