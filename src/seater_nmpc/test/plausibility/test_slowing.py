@@ -137,3 +137,14 @@ def test_one_that_speeds_up_instead_is_noticed() -> None:
         if slowing.keeps(now, speed, asked) is not None:
             found = min(found, now)
     assert found < 2.9 + 0.55
+
+
+def test_one_that_drives_as_asked_is_none_whatever_gain_was_learned() -> None:
+    """The patch on which it has slipped by a quarter ends as it is to slow down: two of 40 ended with RUNAWAY."""
+    slowing = Slowing(CommandHistory(Prediction(command_delay=0.02, motor_lag=0.05, gain_v=0.77)), Chair().limits)
+    speed = 0.0
+    for cycle in range(1, 100):
+        now = CYCLE * cycle
+        grips = min(1.0, 0.77 + 0.45 * max(0.0, now - BEGINS))
+        speed += (grips * asked(now) - speed) * (1.0 - math.exp(-CYCLE / 0.05))
+        assert slowing.keeps(now, speed, asked) is None, now

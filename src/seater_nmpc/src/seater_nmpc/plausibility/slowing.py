@@ -64,7 +64,8 @@ class Slowing:
             self._moments.popleft()
         forward = math.copysign(1.0, speed)
         predicted = [forward * one for one in newest.predicted]
-        expected = max(predicted)
+        # A gain that was learned on a slippery floor ends with it: nobody who drives as asked keeps a speed.
+        expected = max(*predicted, *(forward * asked(now - wait) for wait in self._delays()))
         if abs(speed) < min(predicted) - _LATE:
             self._late = now
         if abs(speed) < _DRIVES or abs(speed) < expected + _BEYOND or now - self._late < _LEARNS:
@@ -74,9 +75,13 @@ class Slowing:
         keeps = any(self._keeps_over(newest, forward, *window) for window in _WINDOWS)
         return forward * expected if keeps else None
 
+    def _delays(self) -> list[float]:
+        """[s] of each guess."""
+        return [max(0.0, self._history.delay + more) for more, _ in _GUESSES]
+
     def _moment(self, now: float, speed: float, asked: Callable[[float], float]) -> _Moment:
-        delay, drive = self._history.delay, self._history.drive
-        wanted = tuple(drive.v.effective(asked(now - max(0.0, delay + more))) for more, _ in _GUESSES)
+        drive = self._history.drive
+        wanted = tuple(drive.v.effective(asked(now - wait)) for wait in self._delays())
         last = self._moments[-1] if self._moments else _Moment(now, speed, wanted, wanted)
         elapsed = max(now - last.stamp, 0.0)
         decay = math.exp(-elapsed / max(drive.lag_v, _SAME_TIME))
