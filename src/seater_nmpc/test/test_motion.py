@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
+from seater_nmpc.drive.prediction import CommandHistory
 from seater_nmpc.observe.motion import MotionObserver
 from seater_nmpc.observe.odometry import Odometry
-from seater_nmpc.observe.prediction import CommandHistory
 from seater_nmpc.parameters import ObserverParameters, Prediction
 
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from seater_nmpc.observe.prediction import CommandHistory, coasting_pose
+from seater_nmpc.drive.prediction import CommandHistory, coasting_pose
 from seater_nmpc.parameters import Prediction
 
 

@@ -5,7 +5,7 @@ from driving import CHAIR
 
 from seater_nmpc.control.actuation import Actuation
 from seater_nmpc.drive.counteraction import Counteraction
-from seater_nmpc.observe.prediction import CommandHistory
+from seater_nmpc.drive.prediction import CommandHistory
 from seater_nmpc.parameters import Prediction
 
 PERIOD, DELAY = 0.05, 3  # [s], cycles

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import pytest
 
 from seater_common.geometry import Chair
-from seater_nmpc.observe.prediction import CommandHistory
+from seater_nmpc.drive.prediction import CommandHistory
 from seater_nmpc.parameters import Prediction
 from seater_nmpc.plausibility.slowing import Slowing
 

@@ -12,8 +12,8 @@ from seater_nmpc.drive.axis import AxisDrive
 from seater_nmpc.drive.counteraction import Counteraction
 from seater_nmpc.drive.curvature import CurvatureEstimator
 from seater_nmpc.drive.modulator import Modulator
+from seater_nmpc.drive.prediction import CommandHistory
 from seater_nmpc.drive.response import Expected, ResponseEstimator, better
-from seater_nmpc.observe.prediction import CommandHistory
 
 _SPEED = Expected(widths=(0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.055), typical=0.02, noise=0.006)  # [m/s]
 _TURNING = Expected(widths=(0.01, 0.015, 0.02, 0.03, 0.04, 0.05, 0.065, 0.085, 0.11), typical=0.04, noise=0.012)

@@ -20,7 +20,7 @@ from seater_nmpc.control.limits import clamp, in_bay, within_reach
 from seater_nmpc.control.pace import LONGEST_PERIOD, Pace
 from seater_nmpc.control.replanner import Replanner, composed
 from seater_nmpc.control.to_and_fro import ToAndFro
-from seater_nmpc.observe.prediction import CommandHistory, coasting_pose
+from seater_nmpc.drive.prediction import CommandHistory, coasting_pose
 from seater_nmpc.ocp.areas import dock_areas
 from seater_nmpc.parameters import ControlParameters
 from seater_nmpc.solve.interface import Solution, Solver, SolveStatus

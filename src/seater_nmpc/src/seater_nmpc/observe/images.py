@@ -33,8 +33,8 @@ _TEXTS = {
 
 @dataclass(frozen=True)
 class Jump:
-    """The dock was acquired anew, or may be, where images that were not believed at first show it; or slip was taken for
-    the cause."""
+    """The dock was acquired anew, or may be, where images that were not believed at first show it; or they were taken
+    for slip."""
 
     before: Instant  # the chair at the last image that was used
     doubted: list[tuple[Instant, Array, Innovation]]  # the first of them: chair, dock (3,) in odom, how far off that is

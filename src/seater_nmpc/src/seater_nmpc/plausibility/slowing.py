@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from seater_common.geometry import Limits
-from seater_nmpc.observe.prediction import CommandHistory
+from seater_nmpc.drive.prediction import CommandHistory
 
 _DELAYS = (-0.1, 0.0, 0.1)  # [s] added to the learned one
 _BRAKES = (0.6, math.inf)  # times a_max: how fast a chair that is told to stop at once slows down

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.geometry import Chair, Dock
+from seater_nmpc.drive.prediction import CommandHistory
 from seater_nmpc.observe.images import Jump
 from seater_nmpc.observe.innovation import Outcome
 from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.observer import DockObserver
-from seater_nmpc.observe.prediction import CommandHistory
 from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Contradiction, Kind
 from seater_nmpc.plausibility.image_motion import CLOCKS, Shown, contradiction, speeds_by_images
