@@ -292,3 +292,17 @@ def test_a_dock_acquired_as_its_mirror_image_is_acquired_anew_from_afar(distance
     if outcome is Outcome.ACQUIRED:
         assert observer.estimate().pose == pytest.approx(T_ODOM_DOCK, abs=1e-6)
         assert observer.images.jump is None
+
+
+@pytest.mark.parametrize(("noise", "outcome"), [((0.03, 0.02), Outcome.REACQUIRED), (NOISE, Outcome.ELSEWHERE)])
+def test_a_dock_that_was_known_roughly_may_be_farther_off(noise, outcome: Outcome) -> None:
+    """From afar: of rigid-body chairs one ended with INCONSISTENT, "158 mm from where it was"."""
+    pose = np.array([-4.0, 0.0, 0.0])
+    observer = DockObserver(CHAIR.camera)
+    standing(observer, pose, 0.0, 1.6)
+    for k in range(5):
+        observer.add_detections(0.1 + 0.1 * k, [observation(CHAIR, inverse(pose) + [0.0, -0.24, 0.0], noise)])
+    observer.bound_reacquisition(True, Dock().front)
+    exact = [observation(CHAIR, inverse(pose), (0.01, 0.01))]
+    outcomes = [observer.add_detections(0.7 + 0.1 * k, exact).outcome for k in range(8)]
+    assert outcomes[-1] is outcome, outcomes

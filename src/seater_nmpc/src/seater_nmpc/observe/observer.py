@@ -30,6 +30,7 @@ from seater_nmpc.parameters import ObserverParameters
 Array = NDArray[np.float64]
 
 _MOST_WAITING = 20  # images that may wait for the odometry of their time
+_CERTAIN = 3.0  # standard deviations
 _OPEN = 1.5  # [m] of the markers: nearer, perspective tells their two poses apart
 
 
@@ -245,11 +246,18 @@ class DockObserver:
         return self._front is not None and math.dist(chair.pose[:2], compose(dock, self._front)[:2]) < _OPEN
 
     def _too_far(self, chair: Instant, series: Series) -> tuple[float, float] | None:
-        """How far [m, rad] the dock has moved in a way that no drift within the bounds explains; None: near enough."""
-        known, p = self.estimate(chair.stamp), self.parameters
-        assert known is not None  # only a known dock is acquired again
-        way, turn = apart(chair.pose, known.pose, combine([measurement for _, measurement in series]).pose)
-        return (way, turn) if way > p.reacquire_distance or abs(turn) > p.reacquire_turn else None
+        """How far [m, rad] the dock has moved in a way that no drift within the bounds explains, nor what was doubtful
+        when it was last seen; None: near enough."""
+        known, last, p = self.estimate(chair.stamp), self._bank.last, self.parameters
+        assert known is not None and last is not None  # only a known dock is acquired again
+        shown = combine([measurement for _, measurement in series])
+        way, turn = apart(chair.pose, known.pose, shown.pose)
+        doubt = last.covariance[:3, :3] + shown.covariance
+        sd_turn = math.sqrt(float(doubt[2, 2]))
+        far = math.dist(chair.pose[:2], shown.pose[:2])
+        sd_way = math.hypot(math.sqrt(float(np.linalg.eigvalsh(doubt[:2, :2])[-1])), far * sd_turn)
+        near = way <= p.reacquire_distance + _CERTAIN * sd_way and abs(turn) <= p.reacquire_turn + _CERTAIN * sd_turn
+        return None if near else (way, turn)
 
     def _wander(self, dock: Array, before: Instant, now: Instant) -> Array:
         """Covariance (3, 3) of how far the odometry of a slipping chair may have moved the dock between two images."""
