@@ -127,7 +127,7 @@ ALWAYS = ("raises", "x not finite")  # with each solver; the others with one, as
 
 @pytest.mark.parametrize(
     ("sabotaged", "mode"),
-    [(s, m) if s == "rti" or m in ALWAYS else seldom(s, m) for s in SOLVERS for m in MODES],
+    [(s, m) if s == "fatrop" or m in ALWAYS else seldom(s, m) for s in SOLVERS for m in MODES],
     indirect=["sabotaged"],
 )
 def test_a_spoilt_result_leads_down_the_chain_and_back(sabotaged, mode) -> None:

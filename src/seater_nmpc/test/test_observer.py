@@ -207,6 +207,7 @@ def test_a_prior_keeps_other_docks_out() -> None:
     assert observer.estimate() is None
 
 
+@pytest.mark.extensive  # seater_eval's test_observer_consistency asks the same of a plant of another make
 def test_error_is_as_large_as_the_covariance_says() -> None:
     """NEES over 30 approaches with drifting odometry: the mean of 30 chi-square numbers (3 dof) within its 95 % band.
     More of this, with the simulator's odometry and camera: seater_eval/test/test_observer_consistency.py."""
