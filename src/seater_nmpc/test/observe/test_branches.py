@@ -11,6 +11,8 @@ from seater_common.se2 import arc_step, compose, inverse, wrap_angle
 from seater_nmpc.observe.innovation import Outcome
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.parameters import PlausibilityParameters
+from seater_nmpc.plausibility.jump import sudden
 
 CHAIR, SIDE = Chair(), np.array([0.9, 0.35, math.pi])  # a marker at the side of the dock, (x, y, direction)
 
@@ -35,12 +37,13 @@ class Drive:
         self.truth = compose(self.odom, inverse(self.pose))
         self.outcomes: list[Outcome] = []
 
-    def on(self, seconds: float, v: float, weight: float, *, slip: float = 0.0) -> None:
-        """`weight`: of the true pose."""
+    def on(self, seconds: float, v: float, weight: float, *, slip: float = 0.0, drift: float = 0.0) -> None:
+        """`weight`: of the true pose; `drift` [rad/m] of the odometry's heading."""
         for _ in range(round(20 * seconds)):
             self.k += 1
-            self.pose, self.odom = arc_step(self.pose, v * (1.0 - slip), 0.0, 0.05), arc_step(self.odom, v, 0.0, 0.05)
-            self.observer.add_odometry(Odometry(0.05 * self.k, self.odom, v, 0.0))
+            self.pose = arc_step(self.pose, v * (1.0 - slip), 0.0, 0.05)
+            self.odom = arc_step(self.odom, v, drift * v, 0.05)
+            self.observer.add_odometry(Odometry(0.05 * self.k, self.odom, v, drift * v))
             fusion = self.observer.add_detections(0.05 * self.k, both(self.pose, self.rng, weight))
             self.outcomes.append(fusion.outcome)
 
@@ -50,17 +53,20 @@ class Drive:
         return abs(wrap_angle(float(self.observer.estimate().pose[2] - truth[2])))
 
 
-@pytest.mark.parametrize("slip", [0.0, 0.12])
-def test_the_wrong_one_of_two_is_left_within_a_few_decimetres(slip: float) -> None:
+@pytest.mark.parametrize(("slip", "drift"), [(0.0, 0.0), (0.12, 0.0), (0.0, 0.2)])
+def test_the_wrong_one_of_two_is_left_within_a_few_decimetres(slip: float, drift: float) -> None:
+    """However both drift in odom."""
     drive = Drive()
     drive.on(1.0, 0.0, 0.35)
     assert drive.off() > 0.2 and Outcome.ACQUIRED in drive.outcomes
     drive.observer.bound_reacquisition(True, Dock().front)
     before = len(drive.outcomes)
-    drive.on(2.0, 0.3, 0.45, slip=slip)
+    drive.on(2.0, 0.3, 0.45, slip=slip, drift=drift)
     assert drive.off() < 0.05
     assert drive.outcomes[before:].count(Outcome.ACQUIRED) == 1
-    assert drive.observer.images.jump is None and drive.observer.elsewhere is None
+    jump = drive.observer.images.jump
+    assert jump is None or sudden(jump, PlausibilityParameters()) is None
+    assert drive.observer.elsewhere is None
 
 
 def test_the_right_one_stays_though_images_favour_the_other() -> None:

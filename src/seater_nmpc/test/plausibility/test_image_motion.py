@@ -30,6 +30,18 @@ def test_others_give_none(stamps: list[float]) -> None:
     assert speeds_by_images(images(stamps), MIDDLE) is None
 
 
+def test_two_places_that_images_leave_open_are_no_motion() -> None:
+    """Of a marker at the side: now the one is likelier, now the other, and the last images show only that one."""
+    shown = images([0.0, 0.1, 0.2, 0.3, 0.4])
+    here = shown[0][1][0]
+    for k, (_, offered) in enumerate(shown):
+        weight = 0.6 if k < 3 else 0.0
+        there = Measurement(np.array([2.1, -0.25, 0.26]), np.diag([1e-4, 1e-4, 1e-3]), weight)
+        offered[:] = [there, Measurement(here.pose, here.covariance, 1.0 - weight)] if weight else [here]
+    speeds = speeds_by_images(shown, MIDDLE)
+    assert speeds is not None and speeds.images == pytest.approx((0.2, 0.0))
+
+
 def test_two_flipped_images_in_a_row_are_no_wheels_that_spin() -> None:
     """As a chair saw them on its way at 0.5 m/s: flipped, the dock stands nearly where it was, only turned."""
     chair = [(3.115, -1.392, 0.909), (3.139, -1.359, 0.981), (3.163, -1.319, 1.057), (3.186, -1.274, 1.133)]

@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 _MOST = 2.0  # that one image may say: a wrong one is not the end of either
 _ANOTHER = 4.0  # from which it is the dock
 _GIVEN_UP = -9.0  # from which it is followed no longer
+_TWO = 4.0  # squared Mahalanobis distance, from which on two poses of an image are two places
 _FADING = 0.97  # of the odds so far at the next image
 _MOVED = (0.01, 0.01)  # [m], [rad] from image to image that counts: those of a chair that stands err alike
 
@@ -33,8 +34,8 @@ class Branches:
 
     def __init__(self, parameters: ObserverParameters, calibration: Array) -> None:
         """`calibration`: covariance (3, 3) common to all images."""
-        self._arguments = parameters, calibration
-        self.dock = FilterBank(*self._arguments)
+        self._parameters, self._calibration = parameters, calibration
+        self.dock = FilterBank(parameters, calibration)
         self.other: FilterBank | None = None
         self._odds = 0.0
         self._counted: Instant | None = None
@@ -44,7 +45,7 @@ class Branches:
         self.dock.begin(series)
         self.other, self._counted = None, series[-1][0]
         if other is not None:
-            self.other, self._odds = FilterBank(*self._arguments), max(-_MOST, odds)
+            self.other, self._odds = FilterBank(self._parameters, self._calibration), max(-_MOST, odds)
             self.other.begin(other)
 
     def take(self, chair: Instant, offered: list[Measurement], *, settled: bool) -> Fusion:
@@ -52,7 +53,7 @@ class Branches:
         fusion, moved = self.dock.take(chair, offered), self._moved(chair)
         if self.other is None or not self.other.covers(chair.stamp):
             return fusion
-        its_own = [measurement for measurement in offered if self._is_nearer_other(measurement)]
+        its_own = self._of_the_other(offered)
         says, used = -_MOST, False
         if its_own:
             used = self.other.take(chair, its_own).outcome is Outcome.FUSED
@@ -67,17 +68,25 @@ class Branches:
             return Fusion(outcome=Outcome.ACQUIRED, innovation=fusion.innovation)
         return fusion
 
-    def _is_nearer_other(self, measurement: Measurement) -> bool:
-        """Than to the dock: what shows the one must not draw the other one there."""
-        dock, other = (
-            distance(measurement.pose, bank.last.mean[:3], measurement.covariance + self._arguments[1])
-            for bank in (self.dock, self.other)
-            if bank is not None and bank.last is not None
-        )
-        return other < dock
+    def _of_the_other(self, offered: list[Measurement]) -> list[Measurement]:
+        """What an image shows of the other place: what shows the dock must not draw it there. Where odometry drifts,
+        both are off alike, so of two poses the one that is not the dock's is the other's."""
+        of_the_dock = min(offered, key=lambda measurement: self._off(measurement, self.dock))
+        if len(offered) == 1:
+            nearer = self.other is not None and self._off(offered[0], self.other) < self._off(offered[0], self.dock)
+            return offered if nearer else []
+        return [m for m in offered if _apart(m, of_the_dock) > _TWO]
+
+    def _off(self, measurement: Measurement, bank: FilterBank) -> float:
+        assert bank.last is not None  # both have begun
+        return distance(measurement.pose, bank.last.mean[:3], measurement.covariance + self._calibration)
 
     def _moved(self, chair: Instant) -> bool:
         last = self._counted
         if last is None or chair.stamp <= last.stamp:
             return last is None
         return chair.driven - last.driven >= _MOVED[0] or chair.turned - last.turned >= _MOVED[1]
+
+
+def _apart(a: Measurement, b: Measurement) -> float:
+    return distance(a.pose, b.pose, a.covariance + b.covariance)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_nmpc.observe.innovation import Fusion, Innovation, Outcome
-from seater_nmpc.observe.measurement import Measurement
+from seater_nmpc.observe.measurement import Measurement, distance
 from seater_nmpc.observe.odometry import Instant
 
 Array = NDArray[np.float64]
@@ -36,7 +36,7 @@ class Jump:
     """The dock was acquired anew, or may be, where images that were not believed at first show it; or they were taken
     for slip."""
 
-    before: Instant  # the chair at the last image that was used
+    before: Instant  # the chair at the last image but one that was used
     doubted: list[tuple[Instant, Array, Innovation]]  # the first of them: chair, dock (3,) in odom, how far off that is
 
 
@@ -57,7 +57,7 @@ class Images:
         self._since_used: Counter[Outcome] = Counter()  # what became of the images since the last used one
         self._doubted = (0.0, 0.0)  # times of the first and the last image outside the gate since then [s]
         self._off: list[tuple[Instant, Array, Innovation]] = []  # the first of these images
-        self._used: Instant | None = None  # the chair at the last used one
+        self._used: deque[Instant] = deque(maxlen=2)  # the chair at the last used ones
         self.jump: Jump | None = None  # the newest one
 
     def show(self, chair: Instant, offered: list[Measurement]) -> None:
@@ -86,8 +86,10 @@ class Images:
             elif doubted and fusion.outcome is Outcome.FUSED and as_expected:
                 self._drop(*self._doubted)
             elif doubted:
-                self.jump = self.doubted
-            self._last_rejected, self._off, self._used = None, [], chair
+                self.jump = self._taken_up(offered)
+            self._last_rejected, self._off = None, []
+            if chair is not None:
+                self._used.append(chair)
             self._since_used.clear()
 
     def no_longer_waiting(self) -> None:
@@ -101,8 +103,9 @@ class Images:
 
     @property
     def doubted(self) -> Jump | None:
-        """What the first images show that were not believed since the last used one; None: all were."""
-        return None if self._used is None or not self._off else Jump(self._used, list(self._off))
+        """What the first images show that were not believed since the last used ones; None: all were. Of these one
+        alone may be wrong: after a way without images anything is believed."""
+        return Jump(self._used[0], list(self._off)) if self._used and self._off else None
 
     @property
     def contradict(self) -> bool:
@@ -128,6 +131,15 @@ class Images:
         if outside:
             parts.insert(0, f"{outside} show the dock but were rejected{_how_far(self._last_rejected)}")
         return f"of {total} images " + ", ".join(parts)
+
+    def _taken_up(self, offered: list[Measurement]) -> Jump | None:
+        """By an image that leaves these places open: those that agree with one of them; the others were wrong."""
+
+        def agrees(dock: Array, off: Innovation) -> bool:
+            return any(distance(m.pose, dock, m.covariance + off.covariance) <= off.gate for m in offered)
+
+        jump = self.doubted
+        return None if jump is None else Jump(jump.before, [entry for entry in jump.doubted if agrees(*entry[1:])])
 
     def _drop(self, first: float, last: float) -> None:
         kept = [entry for entry in self.shown if not first <= entry[0].stamp <= last]

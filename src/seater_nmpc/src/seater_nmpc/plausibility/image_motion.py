@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.se2 import relative, wrap_angles
-from seater_nmpc.observe.measurement import Measurement
+from seater_nmpc.observe.measurement import Measurement, distance
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Contradiction, Kind
@@ -54,7 +54,7 @@ def speeds_by_images(shown: Shown, middle: Array, fewest: int = _FEWEST) -> Imag
     if len(window) < fewest or not 0.0 < window[-1][0].stamp - window[0][0].stamp <= _LONGEST:
         return None
     last = window[-1][0]
-    best = [max(offered, key=lambda measurement: measurement.weight) for _, offered in window]
+    best = of_one_place(window)
     times = np.array([instant.stamp for instant, _ in window])
     places, sds = places_of(best, middle)
     x, y, _ = relative(last.pose, [*places[-1], 0.0]).tolist()
@@ -74,6 +74,17 @@ def speeds_by_images(shown: Shown, middle: Array, fewest: int = _FEWEST) -> Imag
         sd=(sd * math.hypot(1.0, y / x), sd / x),
         later=_later(window),
     )
+
+
+def of_one_place(shown: Shown) -> list[Measurement]:
+    """Of the poses that each image leaves open the nearest to the likeliest of the newest: two places of a marker at
+    the side of the dock, by turns, would be a motion."""
+    newest = max(shown[-1][1], key=lambda measurement: measurement.weight)
+
+    def off(m: Measurement) -> float:
+        return distance(m.pose, newest.pose, m.covariance + newest.covariance)
+
+    return [min(offered, key=off) for _, offered in shown]
 
 
 def contradiction(speeds: ImageSpeeds, parameters: PlausibilityParameters) -> Contradiction | None:

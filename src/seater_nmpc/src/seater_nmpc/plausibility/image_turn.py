@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from seater_common.se2 import relative, wrap_angle
 from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Contradiction
-from seater_nmpc.plausibility.image_motion import CERTAIN, CLOCKS, NEAREST, Shown, doubted, places_of
+from seater_nmpc.plausibility.image_motion import CERTAIN, CLOCKS, NEAREST, Shown, doubted, of_one_place, places_of
 
 Array = NDArray[np.float64]
 
@@ -35,8 +35,7 @@ def turn_contradicts(shown: Shown, middle: Array, parameters: PlausibilityParame
         return None
     ends = [*window[:_ENDS], *window[-_ENDS:]]
     first, last = ends[_ENDS // 2][0], ends[-1 - _ENDS // 2][0]
-    best = [max(offered, key=lambda measurement: measurement.weight) for _, offered in ends]
-    places, sds = places_of(best, middle)
+    places, sds = places_of(of_one_place(ends), middle)
     there = np.median(places[_ENDS:], axis=0)
     ahead, aside, _ = relative(last.pose, [*there, 0.0]).tolist()
     if ahead < NEAREST:
