@@ -77,7 +77,7 @@ class Finding:
         if self._search is None:
             self._search = self._begin_search(known, here)
         rest = c.rest_from(self._rough, chair, speeds)
-        asked = self._search.speeds(chair.stamp, here, rest, c.controller.obstacles)
+        asked = self._search.speeds(chair.stamp, here, rest, c.controller.obstacles, rough=not (known or self._lost))
         if asked is not None:
             return c.controller.move(chair.stamp, speeds, *asked)
         if not known:
