@@ -45,7 +45,8 @@ class Branches:
         self.dock.begin(series)
         self.other, self._counted = None, series[-1][0]
         if other is not None:
-            self.other, self._odds = FilterBank(self._parameters, self._calibration), max(-_MOST, odds)
+            self.other = FilterBank(self._parameters, self._calibration)
+            self._odds = float(np.clip(odds, -_MOST, _MOST))
             self.other.begin(other)
 
     def take(self, chair: Instant, offered: list[Measurement], *, settled: bool) -> Fusion:
