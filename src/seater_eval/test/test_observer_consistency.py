@@ -158,6 +158,7 @@ def test_nees_of_many_approaches(setup: Setup, sensor: DockSensor, runs: int) ->
     assert_within(means, 0.999, 1.0, runs)
 
 
+@pytest.mark.extensive  # of the harness itself
 def test_a_wrong_covariance_is_noticed(setup: Setup, sensor: DockSensor) -> None:
     """Constant scale errors left out of the filter, or calibration errors counted where there are none."""
     exact = replace(setup.parameters.observer, calibration_position=0.0, calibration_heading=0.0)

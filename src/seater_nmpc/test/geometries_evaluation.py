@@ -24,6 +24,7 @@ SELDOM = (  # another one of the same kind runs always, here or in test_geometri
     "D435",
     "markers off-centre",
     "D435 at 640 x 480",
+    "Raspberry Pi camera 2",
     "Raspberry Pi camera 2, 1080p",
     "principal point off-centre",
     "camera aside",

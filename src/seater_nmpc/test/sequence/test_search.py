@@ -7,14 +7,14 @@ from seater_common.geometry import Chair, Dock, polygon_distance
 from seater_common.se2 import arc_step
 from seater_nmpc.sequence.phases.search import Search
 
-CHAIR, DOCK, PERIOD = Chair(), Dock(), 0.1
+CHAIR, DOCK, PERIOD = Chair(), Dock(), 0.4
 
 
 def nearest(start: list[float], *, rough: bool) -> tuple[float, float]:
     """Least distance [m] of the footprint from the walls, and the largest turn [rad], until the search ends."""
     search, pose = Search(CHAIR, DOCK, 0.1), np.array(start)
     gap, turned = np.inf, 0.0
-    for k in range(3000):
+    for k in range(750):
         speeds = search.speeds(PERIOD * k, pose, pose, [], rough=rough)
         if speeds is None:
             return gap, turned
