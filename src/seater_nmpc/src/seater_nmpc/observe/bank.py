@@ -34,7 +34,7 @@ class FilterBank:
         self._filters = [DockFilter(parameters, calibration, slip) for slip in SLIPS]
         self._evidence = np.zeros(len(SLIPS))
         self._chosen, self._persisted = 0, 0
-        self.support = 0.0  # of the newest image for it, see filter.Look
+        self._answer: Look | None = None  # of the chosen filter to the newest image
 
     @property
     def chosen(self) -> DockFilter:
@@ -45,6 +45,11 @@ class FilterBank:
     def slip(self) -> float:
         """What it assumes, see drift.py."""
         return SLIPS[self._chosen]
+
+    @property
+    def support(self) -> float:
+        """Of the newest image for it, see filter.Look."""
+        return 0.0 if self._answer is None else self._answer.support
 
     @property
     def last(self) -> State | None:
@@ -73,7 +78,7 @@ class FilterBank:
         self._weigh(looks)
         answer = looks[self._chosen] or looks[before]
         assert answer is not None  # the chosen filter covers the stamp
-        self.support = answer.support
+        self._answer = answer
         return Fusion(outcome=Outcome.FUSED if answer.fused else Outcome.GATE, innovation=answer.innovation)
 
     def _weigh(self, looks: list[Look | None]) -> None:

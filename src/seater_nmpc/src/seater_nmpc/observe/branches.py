@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from seater_nmpc.observe.acquisition import Series
 from seater_nmpc.observe.bank import FilterBank
 from seater_nmpc.observe.innovation import Fusion, Outcome
-from seater_nmpc.observe.measurement import Measurement, distance
+from seater_nmpc.observe.measurement import Measurement, between, distance
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import ObserverParameters
 
@@ -51,7 +51,7 @@ class Branches:
 
     def take(self, chair: Instant, offered: list[Measurement], *, settled: bool) -> Fusion:
         """As `FilterBank.take`; ACQUIRED: the other place is the dock from now on. `settled`: it must not change."""
-        fusion, moved = self.dock.take(chair, offered), self._moved(chair)
+        fusion = self.dock.take(chair, offered)
         if self.other is None or not self.other.covers(chair.stamp):
             return fusion
         its_own = self._of_the_other(offered)
@@ -59,7 +59,7 @@ class Branches:
         if its_own:
             used = self.other.take(chair, its_own).outcome is Outcome.FUSED
             says = float(np.clip(self.other.support - self.dock.support, -_MOST, _MOST))
-        if moved:
+        if self._moved(chair):
             self._counted = chair
             self._odds = _FADING * self._odds + says
         if self._odds < _GIVEN_UP:
@@ -76,7 +76,7 @@ class Branches:
         if len(offered) == 1:
             nearer = self.other is not None and self._off(offered[0], self.other) < self._off(offered[0], self.dock)
             return offered if nearer else []
-        return [m for m in offered if _apart(m, of_the_dock) > _TWO]
+        return [m for m in offered if between(m, of_the_dock) > _TWO]
 
     def _off(self, measurement: Measurement, bank: FilterBank) -> float:
         assert bank.last is not None  # both have begun
@@ -84,10 +84,7 @@ class Branches:
 
     def _moved(self, chair: Instant) -> bool:
         last = self._counted
-        if last is None or chair.stamp <= last.stamp:
-            return last is None
+        assert last is not None  # both have begun
+        if chair.stamp <= last.stamp:
+            return False
         return chair.driven - last.driven >= _MOVED[0] or chair.turned - last.turned >= _MOVED[1]
-
-
-def _apart(a: Measurement, b: Measurement) -> float:
-    return distance(a.pose, b.pose, a.covariance + b.covariance)

@@ -48,9 +48,15 @@ class Look:
     """What one image means to a filter."""
 
     innovation: Innovation
+    measurement: Measurement  # of the poses that the image leaves open the likeliest
     fused: bool
     log_likelihood: float
-    support: float  # log likelihood of where it expects the dock over that of where the image shows it; at most 0
+
+    @property
+    def support(self) -> float:
+        """Log likelihood of where the filter expects the dock over that of where the image shows it; at most 0."""
+        log_det = float(np.linalg.slogdet(self.measurement.covariance)[1])
+        return -0.5 * (self.innovation.nis + self.innovation.log_det - log_det)
 
 
 class DockFilter:
@@ -140,13 +146,8 @@ def take_together(filters: Sequence[DockFilter], chair: Instant, offered: list[M
         for k, index in enumerate(group):
             (innovation, measurement), fused = best[k], k in passed
             likelihood = max(_LOG_OUTLIER, innovation.log_likelihood) if fused else _LOG_OUTLIER
-            looks[index] = Look(innovation, fused, likelihood, _support(innovation, measurement))
+            looks[index] = Look(innovation, measurement, fused, likelihood)
     return [looks[index] for index in range(len(filters))]
-
-
-def _support(innovation: Innovation, measurement: Measurement) -> float:
-    """Of the place that the filter expects, by the pose of the image that is likeliest there."""
-    return -0.5 * (innovation.nis + innovation.log_det - float(np.linalg.slogdet(measurement.covariance)[1]))
 
 
 def _predicted(filters: Sequence[DockFilter], lasts: Sequence[State], now: Instant) -> tuple[Array, Array]:

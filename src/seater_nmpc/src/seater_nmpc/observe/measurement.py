@@ -95,6 +95,17 @@ def distance(a: ArrayLike, b: ArrayLike, covariance: Array) -> float:
     return float(residual @ np.linalg.solve(covariance, residual))
 
 
+def between(a: Measurement, b: Measurement) -> float:
+    """Squared Mahalanobis distance of two independent measurements."""
+    return distance(a.pose, b.pose, a.covariance + b.covariance)
+
+
+def sd_of_place(covariance: Array, far: float) -> float:
+    """Standard deviation [m] of the way of `apart`, for a dock `far` [m] from the chair whose pose has this covariance
+    (3, 3): its heading, too, swings it about the chair."""
+    return math.hypot(math.sqrt(float(np.linalg.eigvalsh(covariance[:2, :2])[-1])), far * math.sqrt(covariance[2, 2]))
+
+
 def combine(measurements: list[Measurement]) -> Measurement:
     """The mean weighted by information, with the covariance that independent measurements give."""
     reference, information, vector = measurements[0].pose, np.zeros((3, 3)), np.zeros(3)

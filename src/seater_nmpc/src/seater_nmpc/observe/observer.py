@@ -22,7 +22,7 @@ from seater_nmpc.observe.drift import Drift
 from seater_nmpc.observe.filter import State
 from seater_nmpc.observe.images import Images
 from seater_nmpc.observe.innovation import Fusion, Outcome
-from seater_nmpc.observe.measurement import Hypothesis, Measurement, apart, combine, mirrors
+from seater_nmpc.observe.measurement import Hypothesis, Measurement, apart, combine, mirrors, sd_of_place
 from seater_nmpc.observe.odometry import Instant, Odometry, OdometryBuffer
 from seater_nmpc.observe.offers import Offers
 from seater_nmpc.parameters import ObserverParameters
@@ -213,8 +213,8 @@ class DockObserver:
     def _fuse(self, chair: Instant, offered: list[Measurement]) -> Fusion:
         if not self._bank.covers(chair.stamp):
             return Fusion(outcome=Outcome.STALE)
-        near = self._is_near(chair, self._bank.chosen.states[-1].mean[:3])
-        fusion = self._branches.take(chair, offered, settled=self._bounded and near)
+        settled = self._bounded and self._is_near(chair, self._bank.chosen.states[-1].mean[:3])
+        fusion = self._branches.take(chair, offered, settled=settled)
         if fusion.outcome.accepted:
             self._rejected.clear()
             return fusion
@@ -224,10 +224,11 @@ class DockObserver:
         agreed = self._rejected.offer(chair, offered)
         if agreed is None:
             return fusion
-        if self._was_mirrored(chair, agreed.series):
+        too_far = self._too_far(chair, agreed.series)
+        if too_far is not None and self._was_mirrored(chair, agreed.series):
             self._begin(agreed)
             return Fusion(outcome=Outcome.ACQUIRED, innovation=fusion.innovation)
-        self.elsewhere = self._too_far(chair, agreed.series) if self._bounded else None
+        self.elsewhere = too_far if self._bounded else None
         if self.elsewhere is not None:
             return Fusion(outcome=Outcome.ELSEWHERE, innovation=fusion.innovation)
         self._begin(agreed)
@@ -236,7 +237,7 @@ class DockObserver:
     def _was_mirrored(self, chair: Instant, series: Series) -> bool:
         """Whether the dock was known by the mirror image of what these images show."""
         known = self.estimate(chair.stamp)
-        if known is None or self._front is None or self._too_far(chair, series) is None:
+        if known is None or self._front is None:
             return False
         shown = combine([measurement for _, measurement in series]).pose
         return not self._is_near(chair, shown) and mirrors(chair.pose, self._front, known.pose, shown)
@@ -253,9 +254,8 @@ class DockObserver:
         shown = combine([measurement for _, measurement in series])
         way, turn = apart(chair.pose, known.pose, shown.pose)
         doubt = last.covariance[:3, :3] + shown.covariance
+        sd_way = sd_of_place(doubt, math.dist(chair.pose[:2], shown.pose[:2]))
         sd_turn = math.sqrt(float(doubt[2, 2]))
-        far = math.dist(chair.pose[:2], shown.pose[:2])
-        sd_way = math.hypot(math.sqrt(float(np.linalg.eigvalsh(doubt[:2, :2])[-1])), far * sd_turn)
         near = way <= p.reacquire_distance + _CERTAIN * sd_way and abs(turn) <= p.reacquire_turn + _CERTAIN * sd_turn
         return None if near else (way, turn)
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.se2 import relative, wrap_angles
-from seater_nmpc.observe.measurement import Measurement, distance
+from seater_nmpc.observe.measurement import Measurement, between
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Contradiction, Kind
@@ -80,11 +80,7 @@ def of_one_place(shown: Shown) -> list[Measurement]:
     """Of the poses that each image leaves open the nearest to the likeliest of the newest: two places of a marker at
     the side of the dock, by turns, would be a motion."""
     newest = max(shown[-1][1], key=lambda measurement: measurement.weight)
-
-    def off(m: Measurement) -> float:
-        return distance(m.pose, newest.pose, m.covariance + newest.covariance)
-
-    return [min(offered, key=off) for _, offered in shown]
+    return [min(offered, key=lambda measurement: between(measurement, newest)) for _, offered in shown]
 
 
 def contradiction(speeds: ImageSpeeds, parameters: PlausibilityParameters) -> Contradiction | None:

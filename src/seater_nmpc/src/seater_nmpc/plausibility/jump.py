@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from seater_common.se2 import compose, relative, wrap_angle
 from seater_nmpc.observe.images import Jump
 from seater_nmpc.observe.innovation import Innovation
+from seater_nmpc.observe.measurement import sd_of_place
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import PlausibilityParameters
 
@@ -67,8 +68,7 @@ def _shift(
     turn = wrap_angle(float(there[2] - here[2]))
     move = there[:2] - compose([0.0, 0.0, turn], here)[:2]
     way, far, sd_turn = float(np.hypot(*move)), math.hypot(there[0], there[1]), float(off.sd[2])
-    sd = math.hypot(math.sqrt(float(np.linalg.eigvalsh(off.covariance[:2, :2])[-1])), far * sd_turn)
-    shifted = way > _SHARE * p.final_position + driven + _CERTAIN * sd
+    shifted = way > _SHARE * p.final_position + driven + _CERTAIN * sd_of_place(off.covariance, far)
     if not shifted and abs(turn) <= _SHARE * p.final_heading + turned + _PER_METRE * driven + _CERTAIN * sd_turn:
         return None
     return Shift(way, turn, float(move @ there[:2]) / max(far, 1e-6))

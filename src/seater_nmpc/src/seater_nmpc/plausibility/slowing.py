@@ -39,6 +39,7 @@ _SAME_TIME = 1e-6  # [s]
 class _Moment:
     stamp: float
     speed: float
+    asked: tuple[float, ...]  # for each guess, when its delay is over
     targets: tuple[float, ...]  # for each guess, what the motors follow
     predicted: tuple[float, ...]  # and what they make of it
 
@@ -65,7 +66,7 @@ class Slowing:
         forward = math.copysign(1.0, speed)
         predicted = [forward * one for one in newest.predicted]
         # A gain that was learned on a slippery floor ends with it: nobody who drives as asked keeps a speed.
-        expected = max(*predicted, *(forward * asked(now - wait) for wait in self._delays()))
+        expected = max(*predicted, *(forward * one for one in newest.asked))
         if abs(speed) < min(predicted) - _LATE:
             self._late = now
         if abs(speed) < _DRIVES or abs(speed) < expected + _BEYOND or now - self._late < _LEARNS:
@@ -75,20 +76,17 @@ class Slowing:
         keeps = any(self._keeps_over(newest, forward, *window) for window in _WINDOWS)
         return forward * expected if keeps else None
 
-    def _delays(self) -> list[float]:
-        """[s] of each guess."""
-        return [max(0.0, self._history.delay + more) for more, _ in _GUESSES]
-
     def _moment(self, now: float, speed: float, asked: Callable[[float], float]) -> _Moment:
-        drive = self._history.drive
-        wanted = tuple(drive.v.effective(asked(now - wait)) for wait in self._delays())
-        last = self._moments[-1] if self._moments else _Moment(now, speed, wanted, wanted)
+        delay, drive = self._history.delay, self._history.drive
+        told = tuple(asked(now - max(0.0, delay + more)) for more, _ in _GUESSES)
+        wanted = tuple(map(drive.v.effective, told))
+        last = self._moments[-1] if self._moments else _Moment(now, speed, told, wanted, wanted)
         elapsed = max(now - last.stamp, 0.0)
         decay = math.exp(-elapsed / max(drive.lag_v, _SAME_TIME))
         steps = zip(last.targets, wanted, self._rates, strict=True)
         targets = tuple(b if elapsed == 0.0 else _slower(a, b, rate * elapsed) for a, b, rate in steps)
         predicted = tuple(t + (before - t) * decay for t, before in zip(targets, last.predicted, strict=True))
-        return _Moment(now, speed, targets, predicted)
+        return _Moment(now, speed, told, targets, predicted)
 
     def _keeps_over(self, newest: _Moment, forward: float, duration: float, least: float) -> bool:
         first, middle = (self._at(newest.stamp - share * duration) for share in (1.0, 0.5))

@@ -97,7 +97,7 @@ class Caution:
         """An outline that reaches far into the chair is none (another frame, millimetres, the chair itself seen): to
         get out of it would be to drive away blind, as far as it goes."""
         c, estimate = self._context, self._context.observer.estimate(chair.stamp)
-        if estimate is None:
+        if estimate is None or not c.controller.obstacles:
             return ""
         core = footprints(self._core, relative(estimate.pose, chair.pose)[None])
         if all(edge_distances(core, outline)[0] >= 0.0 for outline in c.controller.obstacles):

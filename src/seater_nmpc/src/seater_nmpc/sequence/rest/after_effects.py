@@ -32,7 +32,7 @@ class AfterEffects:
         self.roll = Roll()  # as stops have shown
         self._way_per_turn: float | None = None  # [m] of a turn on the spot
         self._held = 0  # turns in a row that hardly turned the chair
-        self._turned_from: float | None = None  # [rad] off before the last turn after which it was pushed
+        self._turned_from: float | None = None  # [rad] off before the last turn
         self._pushed = False  # since the last turn
 
     def learn(self, turning: bool, before: Array, after: Array) -> None:
