@@ -147,6 +147,28 @@ def test_a_dock_that_was_known_by_its_mirror_image_begins_anew_where_that_lasts(
     assert not error.is_wrong(LIMITS, 5.0)
 
 
+def test_a_wrong_image_after_a_blind_way_accuses_nobody() -> None:
+    """A start beside the bay met it: the first image after 22 s without one was wrong. It was believed, as the wheels may
+    have slipped by so much, and the right ones after it were not; the focal length was accused."""
+    backward_and_on = [(-0.15, 0.2)] * 1000 + [(0.2, -0.25)] * 800  # without images
+    way, blind = S_CURVE[:300] + backward_and_on + S_CURVE[300:], range(300, 2100)
+    installation, buffer = Installation(CHAIR.camera, DOCK, ObserverParameters()), OdometryBuffer(60.0, 0.1)
+    truth, odom, rng = np.array([-2.6, 0.9, 0.7]), np.zeros(3), np.random.default_rng(1)
+    for k, (v, omega) in enumerate(way):
+        truth, odom = arc_step(truth, 0.99 * v, omega, 0.01), arc_step(odom, v, omega, 0.01)
+        buffer.add(Odometry(0.01 * (k + 1), odom, v, omega))
+        if k % 5 or k in blind:
+            continue
+        chair = buffer.newest
+        assert chair is not None
+        right = in_frame(chair.pose, Measurement(inverse(truth) + NOISE * rng.normal(size=3), np.diag(NOISE**2)))
+        wrong = np.array([0.119, 0.078, 0.051]) if k == blind.stop else np.zeros(3)
+        installation.add(chair, [Measurement(right.pose + wrong, right.covariance)], right.pose)
+    error = installation.error()
+    assert error is not None and not error.is_wrong(LIMITS, 5.0)
+    assert error.certainty < 3.0 and np.all(np.abs(error.final) < [0.012, 0.012, 0.01])
+
+
 def test_images_of_a_chair_that_stands_say_nothing() -> None:
     installation = Installation(CHAIR.camera, DOCK, ObserverParameters())
     assert installation.error() is None
