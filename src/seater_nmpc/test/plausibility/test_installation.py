@@ -148,8 +148,8 @@ def test_a_dock_that_was_known_by_its_mirror_image_begins_anew_where_that_lasts(
 
 
 def test_a_wrong_image_after_a_blind_way_accuses_nobody() -> None:
-    """A start beside the bay met it: the first image after 22 s without one was wrong. It was believed, as the wheels may
-    have slipped by so much, and the right ones after it were not; the focal length was accused."""
+    """A start beside the bay met it: the first image after 22 s without one was wrong. It was believed, as the wheels
+    may have slipped by so much, and the right ones after it were not; the focal length was accused."""
     backward_and_on = [(-0.15, 0.2)] * 1000 + [(0.2, -0.25)] * 800  # without images
     way, blind = S_CURVE[:300] + backward_and_on + S_CURVE[300:], range(300, 2100)
     installation, buffer = Installation(CHAIR.camera, DOCK, ObserverParameters()), OdometryBuffer(60.0, 0.1)

@@ -53,8 +53,8 @@ _FIRST = 0.1  # [m, rad] that the first image may be off the observer's dock
 # [m, rad] by which the observer's dock is another one from one image to the next: the mirror image of one marker, which
 # is metres away beside it. No wrong installation moves it by so much at once.
 _ANOTHER = (0.3, 0.3)
-# [m, rad] from one image that is used to the next, beyond which the dock is followed anew. After 22 s without an image a
-# wrong one, 55 mm off, was within what the wheels may have slipped, and all right ones after it beyond the gate.
+# [m, rad] from one image that is used to the next, beyond which the dock is followed anew. After 22 s without an image
+# a wrong one, 55 mm off, was within what the wheels may have slipped, and all right ones after it beyond the gate.
 _BLIND = (0.5, 1.0)
 _LASTS = 5  # images that have it there: for one or two, turned to the edge of the view, it was the mirror image once
 # What no length of driving makes surer: floors and castors are not quite what drift.py says. In two attempts on patchy
@@ -121,8 +121,8 @@ class Installation:
 
     def add(self, chair: Instant, offered: list[Measurement], known: Array) -> None:
         """The poses of the dock in odom that an image leaves open; `known` (3,): where the observer has it. Late images
-        and those of a chair that stands are left out. Where that is another place and stays so, all begins anew; after a
-        blind way the dock is followed anew, from an image that shows it where the observer has it."""
+        and those of a chair that stands are left out. Where that is another place and stays so, all begins anew; after
+        a blind way the dock is followed anew, from an image that shows it where the observer has it."""
         if self._last is not None and _is_blind(self._last, chair):
             self.interrupt()
         if self._dock is not None and _is_another(known, self._dock):
