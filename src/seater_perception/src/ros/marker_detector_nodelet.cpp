@@ -14,8 +14,9 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "dock_choice.h"
-#include "image_pairs.h"
 #include "odometry_motion.h"
+#include "ros/inputs/image_pairs.h"
+#include "ros/inputs/stamp_check.h"
 #include "ros_diagnostics.h"
 #include "ros_messages.h"
 #include "ros_parameters.h"
@@ -23,7 +24,6 @@
 #include "seater_perception/draw.h"
 #include "seater_perception/errors.h"
 #include "seater_perception/report.h"
-#include "stamp_check.h"
 
 namespace seater_perception {
 
