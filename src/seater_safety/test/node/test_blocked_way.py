@@ -91,3 +91,15 @@ def test_an_unknown_frame_and_silence_end_the_consent(driver: Driver, sensor: Se
     driver.velocity = (0.0, 0.0)
     answer = driver.arm()
     assert not answer.granted and answer.state == GateState.OBSTACLE and "silent" in answer.reason
+
+
+def test_a_second_node_that_tells_points_is_a_fault(driver: Driver, sensor: Sensor) -> None:
+    """One source is required, so one node: the other one might say that the way is free."""
+    wait_until(lambda: driver.state.state == GateState.STOPPED, "the gate to stand")
+    driver.drive()
+    command = ["rostopic", "pub", "-r", "10", "obstacle_points", "seater_msgs/ObstaclePoints", "{source: scan}"]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as other:
+        wait_until(lambda: driver.state.state == GateState.FAULT, "the fault")
+        assert "2 nodes publish /obstacle_points, one is allowed" in driver.state.reason
+        driver.expect_stop(BRAKING + SLACK)
+        other.terminate()

@@ -11,6 +11,7 @@ from typing import Any
 import rospy
 import tf2_ros
 from nav_msgs.msg import Odometry as OdometryMsg
+from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Bool, Header
 
 from seater_common.files.docks import DockEntry
@@ -19,6 +20,7 @@ from seater_nmpc.control.command import Command
 from seater_nmpc.observe.observer import DockEstimate
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.ros import conversions
+from seater_nmpc.ros.camera import info_topic, usable
 from seater_nmpc.ros.core import Core, CoreMaker, flag
 from seater_nmpc.ros.diagnostics import Diagnostics
 from seater_nmpc.ros.docks.in_use import DockInUse
@@ -27,6 +29,7 @@ from seater_nmpc.ros.docks.services import DockServices
 from seater_nmpc.ros.gate import BY_A_PERSON, Gate, Loss
 from seater_nmpc.ros.goal_checks import RefusedError, check_goal, dock_of
 from seater_nmpc.ros.goals import ClientWatch, Goals
+from seater_nmpc.ros.inbox.inputs import Inputs
 from seater_nmpc.ros.inbox.odometry_age import OdometryAge
 from seater_nmpc.ros.inbox.worker import Handler, Worker
 from seater_nmpc.ros.live.server import LiveParameters
@@ -59,6 +62,9 @@ class DockingNode:
         self._odometry: Odometry | None = None  # the newest that was of use
         self._inbox = Worker(lambda text: self._abort(ResultCode.UNKNOWN, text), self._answer)
         self._age = OdometryAge(lock_step=lock_step)
+        self._camera_info = info_topic(rospy.resolve_name("image"))
+        names = {topic: rospy.resolve_name(topic) for topic in ("odom", "detections", "obstacles")}
+        self._inputs = Inputs(names | {"camera_info": self._camera_info}, usable)
         self._out = Publishers(self._dock_frame, lock_step)
         self._tf = TransformBuffer()
         self._tf_in = tf2_ros.TransformListener(self._tf)
@@ -104,11 +110,13 @@ class DockingNode:
         )
         for topic, kind, size in topics:
             rospy.Subscriber(topic, kind, lambda m, t=topic: self._enqueue(t, m), queue_size=size, tcp_nodelay=True)
+        rospy.Subscriber(self._camera_info, CameraInfo, self._inputs.calibrated, queue_size=10)
         rospy.Subscriber("charging_contact", Bool, lambda m: self._inbox.put("contact", m.data), queue_size=10)
 
     def _enqueue(self, kind: str, content: Any) -> None:
         if kind == "odom":
             self._age.arrived(content.header.stamp)
+        self._inputs.heard(kind, content)
         self._inbox.put(kind, content)
 
     def _handlers(self) -> dict[str, Handler]:
@@ -175,6 +183,9 @@ class DockingNode:
             self._report(self._core.vehicle.command(command or Command(v=0.0, omega=0.0)), "SHADOW")
             return
         self._in_use.tell_docked(self._out.stamp, self._contact)
+        contradiction = self._inputs.contradiction(sees=self._goals.kind == "dock")
+        if contradiction is not None:
+            self._abort(*contradiction)
         if self._core.sequence.active:
             self._core.sequence.held, self._core.sequence.held_by = self._gate.holds(now), self._gate.held_by
             step = self._core.sequence.update(now, self._contact)
@@ -196,7 +207,7 @@ class DockingNode:
         if dock is not None and newest is not None and self._core.parameters.control.walls:
             obstacles = [*obstacles, *self._in_use.walls_left(dock, newest.pose)]
         self._core.controller.set_obstacles(obstacles)
-        self._core.sequence.unsure = self._obstacles.trouble(now)
+        self._core.sequence.unsure = self._obstacles.trouble(now) or self._inputs.unsure()
 
     def _tell_zone(self) -> None:
         estimate, newest = self._core.observer.estimate(), self._core.observer.odometry.newest
@@ -266,6 +277,7 @@ class DockingNode:
         self._goals.accept(kind, handle)
         self._in_use.use(name, self._out.stamp)
         self._client.begin(handle.goal)
+        self._inputs.begin()
         counters = self._core.controller.counters
         self._fallbacks_before = counters.shifted + counters.braked
         if kind == "dock":
