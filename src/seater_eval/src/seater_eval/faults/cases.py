@@ -19,6 +19,7 @@ class Case:
     codes: frozenset[str]
     rest: float = BLIND  # [s] longest time from the fault to rest
     recovers: bool = True  # a new goal docks once the fault is gone
+    before: bool = False  # it is there before the goal is given
     launch: tuple[str, ...] = ()  # further arguments of wheelchair.launch, as name=value
     safety: tuple[str, ...] = ()  # other values of safety.yaml, as name=value
 

@@ -81,13 +81,16 @@ def run(case: Case, place: str, launch: LaunchProcess) -> dict[str, Any]:
     watch = Watch()
     with Actions(case.action) as actions:
         wait_until(lambda: bool(watch.truth), "the simulated chair", launch.running, 30.0)
+        if case.before:
+            actions.begin()
         time.sleep(1.0)
         client.send()
         reached = _until(lambda: watch.distance < PLACES[place] or client.done(), launch)
         if not reached or client.done():
             raise DockClientError(f"the chair did not come to {PLACES[place]} m: {client.result()}")
         began = time.monotonic()
-        actions.begin()
+        if not case.before:
+            actions.begin()
         ended = _until(client.done, launch)
         row: dict[str, Any] = {"fault": case.name, "place": place, **_outcome(client, ended)}
         row |= _measured(watch, began)
