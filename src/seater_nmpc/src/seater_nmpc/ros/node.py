@@ -26,6 +26,7 @@ from seater_nmpc.ros.diagnostics import Diagnostics
 from seater_nmpc.ros.docks.in_use import DockInUse
 from seater_nmpc.ros.docks.library import Docks, Loaded, read_docks
 from seater_nmpc.ros.docks.services import DockServices
+from seater_nmpc.ros.docks.walls import BayWalls
 from seater_nmpc.ros.gate import BY_A_PERSON, Gate, Loss
 from seater_nmpc.ros.goal_checks import RefusedError, check_goal, dock_of
 from seater_nmpc.ros.goals import ClientWatch, Goals
@@ -42,6 +43,7 @@ from seater_nmpc.sequence.goal.results import Phase, ResultCode, Step
 
 ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal, or the beginning of a pause
 OUT_OF_DATE = 0.2  # [s] a request that is based on older odometry is not sent: the gate brakes in silence, too
+STOOD_STILL = 0.25  # [s] of this process: the gate, which hears of no request for so long, brakes (request_timeout)
 TIME_JUMP = 1.0  # [s] odometry this much older than the last one means that time started anew
 
 
@@ -73,6 +75,7 @@ class DockingNode:
         self._goals = Goals(self._inbox.put)
         self._client = ClientWatch(core.parameters.sequence.client_timeout)
         self._gate = Gate(self._inbox.put, lock_step=lock_step)
+        self._walls = None if lock_step or core.shadow is not None else BayWalls()
         self._zone = SpeedZone(core.chair, core.dock, core.parameters.sequence.back_out_speed)
         self._dock_services = DockServices(docks, self._inbox.ask, speaks=core.shadow is None)
         contact = flag("~require_contact")
@@ -178,6 +181,7 @@ class DockingNode:
         self._diagnostics.cycle()
         self._set_obstacles(now)
         self._tell_zone()
+        self._tell_walls()
         if self._core.shadow is not None:
             command = self._core.shadow.update(now)
             self._report(self._core.vehicle.command(command or Command(v=0.0, omega=0.0)), "SHADOW")
@@ -214,6 +218,16 @@ class DockingNode:
         if self._core.shadow is None and newest is not None:
             dock = None if estimate is None else estimate.pose
             self._zone.update(self._out.stamp, dock, newest.pose, backs_out=self._core.sequence.backs_out)
+
+    def _tell_walls(self) -> None:
+        estimate, newest = self._core.observer.estimate(), self._core.observer.odometry.newest
+        if self._walls is None or newest is None:
+            return
+        seen = estimate is not None and estimate.blind_distance <= self._core.parameters.sequence.max_blind_distance
+        dock = estimate.pose if estimate is not None and seen else None
+        docks = self._core.sequence.active and not self._core.sequence.paused
+        base = self._core.vehicle.pose(newest.pose)
+        self._walls.update(self._out.stamp, self._core.dock.bay, dock, base, docks=docks)
 
     def _send(self, step: Step, *, ask: bool = True, release: bool = True) -> None:
         command = self._core.vehicle.command(step.command)
@@ -349,7 +363,10 @@ class DockingNode:
         """Zero when the odometry stops or the gate is silent during a goal, even when the worker is busy."""
         limit = self._core.parameters.sequence.odometry_timeout
         while not rospy.is_shutdown():
+            before = time.monotonic()
             time.sleep(0.05)
+            if time.monotonic() - before > STOOD_STILL:
+                self._gate.stood_still(time.monotonic() - before)
             if self._core.sequence.active and self._age.silence() > limit:
                 self._out.request(0.0, 0.0)
                 self._inbox.put("watchdog", None)
