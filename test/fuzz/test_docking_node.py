@@ -15,6 +15,7 @@ from geometry_msgs.msg import Point32, Polygon, PoseStamped
 from hostile import Hostile
 from stand import Stand
 from std_msgs.msg import Bool
+from test_camera_info import good
 from tf2_msgs.msg import TFMessage
 
 from seater_msgs.msg import DockGoal, DockResult, ObstacleArray, UndockGoal
@@ -47,6 +48,7 @@ TOPICS: dict[str, Make] = {
     "detections": Drive.detections,
     "gate_state": Drive.gate_state,
     "obstacles": obstacles,
+    "/camera_info": lambda drive: good(),
     "charging_contact": lambda drive: Bool(False),
     "/tf": lambda drive: TFMessage([conversions.transform(drive.stamp, "odom", "base_link", (0.1, 0.2, 0.3))]),
     "/tf_static": lambda drive: TFMessage([conversions.transform(drive.stamp, "base_link", "laser", (0.1, 0.0, 0.0))]),

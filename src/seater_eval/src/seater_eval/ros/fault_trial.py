@@ -130,7 +130,9 @@ def _outcome(client: DockClient, ended: bool) -> dict[str, Any]:
     result = client.result() if ended else None
     if result is None:
         return {"result": "UNKNOWN", "text": "no result"}
-    return {"result": NAMES.get(result.result_code, str(result.result_code)), "text": result.result_text}
+    code = NAMES.get(result.result_code, str(result.result_code))
+    sds = {"position_sd_m": result.position_sd, "heading_sd_deg": math.degrees(result.heading_sd)}
+    return {"result": code, "text": result.result_text, **sds}
 
 
 NAMES = names_of(DockResult)  # of the result codes
