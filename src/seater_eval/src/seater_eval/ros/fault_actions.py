@@ -65,9 +65,9 @@ class Actions:
 
     def __exit__(self, *_: object) -> None:
         self._beats = False
-        for other in self._others:
-            other.kill()
-            other.wait()
+        others, self._others = self._others, []
+        for other in others:
+            other.communicate()  # its stdin ends
 
     def begin(self) -> None:
         """Returns when it is over, if it is one that ends by itself."""

@@ -63,6 +63,7 @@ def main(arguments: list[str]) -> int:
     for begin in begins:
         begin()
     sys.stdin.read()
+    rospy.signal_shutdown("in order, so that the master lists it no more")
     return 0
 
 
