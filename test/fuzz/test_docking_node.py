@@ -212,3 +212,13 @@ def test_an_error_in_a_handler_ends_the_goal(
     assert (stand.results[-1].result_code, stand.active) == (DockResult.UNKNOWN, False)
     assert stand.sent["velocity_request"][-1].twist.linear.x == 0.0
     assert rospy.Time() < drive.stamp
+
+
+def test_a_node_that_ends_ends_its_goal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`rosnode kill`: the client waited for its result for ever."""
+    stand = Stand(monkeypatch)
+    drive = Drive(stand)
+    assert drive.docks(RECOVERS), last(stand)
+    stand.node._on_shutdown()
+    assert (stand.results[-1].result_code, stand.active) == (DockResult.UNKNOWN, False)
+    assert last(stand) == "the docking node ends" and stand.sent["velocity_request"][-1].twist.linear.x == 0.0

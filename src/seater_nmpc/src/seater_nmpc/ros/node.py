@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import threading
 import time
@@ -377,6 +378,8 @@ class DockingNode:
 
     def _on_shutdown(self) -> None:
         self._out.close()
+        with contextlib.suppress(rospy.ROSException):  # its client gets a result, unless a publisher is closed already
+            self._abort(ResultCode.UNKNOWN, "the docking node ends")
         for _ in range(3):
             if self._core.shadow is None:
                 self._out.request(0.0, 0.0)
