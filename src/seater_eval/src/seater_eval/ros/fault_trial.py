@@ -5,6 +5,7 @@ A process of its own for each: rospy knows one master in its life.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import os
@@ -35,6 +36,7 @@ from seater_sim.ros.failure import FailureError
 START = {"start_x": -2.3, "start_y": 0.15, "start_heading": -0.1}
 LAUNCH = {"require_contact": "true", "history": "none", "installation_memory": "none"}
 _PATIENCE = 90.0  # [s] for a docking
+_TRIES = 5  # of a new goal
 _AFTERWARDS = 3.0  # [s] after the end, in which the chair must not move
 _STANDS = 0.005  # [m/s, rad/s]
 
@@ -97,9 +99,17 @@ def run(case: Case, place: str, launch: LaunchProcess) -> dict[str, Any]:
         if case.recovers and row["result"] != "SUCCESS":
             actions.end()
             time.sleep(1.0)
-            client.send()
+            _send_anew(client)
             row["again"] = _outcome(client, _until(client.done, launch))["result"]
     return row
+
+
+def _send_anew(client: DockClient) -> None:
+    """A goal, again and again: a node that was ended is being started anew. Raises DockClientError: nobody answers."""
+    for _ in range(_TRIES):
+        with contextlib.suppress(DockClientError):
+            return client.send(5.0)
+    return client.send()
 
 
 def _measured(watch: Watch, began: float) -> dict[str, Any]:
