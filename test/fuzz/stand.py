@@ -54,14 +54,14 @@ class Stand:
         self.put, self.work_off = self.node._inbox.put, self.node._inbox.work_off
         self.limits = self.node._core.vehicle.chair.limits
 
-    def arrive(self, topic: str, message: Any) -> None:
+    def arrive(self, topic: str, message: Any, sender: str = "/hostile") -> None:
         """One message, which waits."""
-        message._connection_header = {"callerid": "/hostile"}  # as rospy does
+        message._connection_header = {"callerid": sender}  # as rospy does
         self._inputs[topic](message)
 
-    def deliver(self, topic: str, message: Any) -> None:
+    def deliver(self, topic: str, message: Any, sender: str = "/hostile") -> None:
         """One message, worked off at once."""
-        self.arrive(topic, message)
+        self.arrive(topic, message, sender)
         self.work_off()
 
     def call(self, service: str) -> Any:

@@ -15,6 +15,7 @@ from geometry_msgs.msg import Point32, Polygon, PoseStamped
 from hostile import Hostile
 from stand import Stand
 from std_msgs.msg import Bool
+from test_camera_info import good
 from tf2_msgs.msg import TFMessage
 
 from seater_msgs.msg import DockGoal, DockResult, ObstacleArray, UndockGoal
@@ -47,6 +48,7 @@ TOPICS: dict[str, Make] = {
     "detections": Drive.detections,
     "gate_state": Drive.gate_state,
     "obstacles": obstacles,
+    "/camera_info": lambda drive: good(),
     "charging_contact": lambda drive: Bool(False),
     "/tf": lambda drive: TFMessage([conversions.transform(drive.stamp, "odom", "base_link", (0.1, 0.2, 0.3))]),
     "/tf_static": lambda drive: TFMessage([conversions.transform(drive.stamp, "base_link", "laser", (0.1, 0.0, 0.0))]),
@@ -210,3 +212,13 @@ def test_an_error_in_a_handler_ends_the_goal(
     assert (stand.results[-1].result_code, stand.active) == (DockResult.UNKNOWN, False)
     assert stand.sent["velocity_request"][-1].twist.linear.x == 0.0
     assert rospy.Time() < drive.stamp
+
+
+def test_a_node_that_ends_ends_its_goal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`rosnode kill`: the client waited for its result for ever."""
+    stand = Stand(monkeypatch)
+    drive = Drive(stand)
+    assert drive.docks(RECOVERS), last(stand)
+    stand.node._on_shutdown()
+    assert (stand.results[-1].result_code, stand.active) == (DockResult.UNKNOWN, False)
+    assert last(stand) == "the docking node ends" and stand.sent["velocity_request"][-1].twist.linear.x == 0.0

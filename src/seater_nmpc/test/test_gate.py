@@ -136,3 +136,19 @@ def test_a_chair_that_stands_since_the_gate_is_silent_is_not_called_blocked(
     assert gate.named(lost) == lost
     gate._lock_step = True
     assert gate.named(blocked) == blocked
+
+
+def test_a_chair_that_stood_since_the_docking_node_did_is_not_called_blocked(
+    gate: Gate, heard: list[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Stopped for 5 s: the odometry of that time, which it works through afterwards, shows a chair that stands."""
+    blocked, now = Result(code=ResultCode.BLOCKED, text="why"), [100.0]
+    monkeypatch.setattr(module.time, "monotonic", lambda: now[0])
+    gate.stood_still(5.0)
+    now[0] += 0.5
+    heard[0](GateState(state=GateState.STOPPED))
+    named = gate.named(blocked)
+    assert named.code is ResultCode.GATE_LOST and "the docking node stood still for 5.0 s" in named.text
+    now[0] += 1.0
+    heard[0](GateState(state=GateState.REQUEST))
+    assert gate.named(blocked) == blocked

@@ -1,9 +1,11 @@
 """Between ROS messages and arrays, whatever the driver packs beside them."""
 
 import struct
+from typing import Any
 
 import numpy as np
 import pytest
+import rospy
 from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2, PointField
 from std_msgs.msg import Header
 
@@ -56,6 +58,24 @@ def test_what_a_sensor_measured_is_the_same_whatever_its_stamp() -> None:
     one, other = LaserScan(ranges=[1.0, np.nan]), LaserScan(ranges=[1.0, np.nan])
     other.header.stamp.secs = 7
     assert source.measured(one) == source.measured(other) != source.measured(LaserScan(ranges=[1.0, 2.0]))
+
+
+def test_measurements_of_two_sensors_in_turns_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One sees somebody, the other does not."""
+    callbacks: list[Any] = []
+    monkeypatch.setattr(rospy, "Subscriber", lambda *words, **_: callbacks.append(words[2]))
+    source, taken = Source("scan", SenseSettings(), 1), []
+    source.subscribe(taken.append)
+    message = LaserScan(ranges=[1.0], angle_increment=0.1, range_max=10.0)
+    for sender in ("/front", "/front", "/another"):
+        message._connection_header = {"callerid": sender}
+        callbacks[0](message)
+        assert source.sight(message, np.eye(4)).met == 1
+    message._connection_header = {"callerid": "/front"}
+    callbacks[0](message)
+    assert len(taken) == 4
+    with pytest.raises(ValueError, match="2 nodes publish /scan in turns, /another and /front"):
+        source.sight(message, np.eye(4))
 
 
 def cloud(big: bool = False) -> PointCloud2:

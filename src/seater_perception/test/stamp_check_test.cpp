@@ -1,10 +1,10 @@
-#include "ros/stamp_check.h"
+#include "ros/inputs/stamp_check.h"
 
 #include <gtest/gtest.h>
 
 #include <memory>
 
-#include "ros/image_pairs.h"
+#include "ros/inputs/image_pairs.h"
 
 using seater_perception::StampCheck;
 

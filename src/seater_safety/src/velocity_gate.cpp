@@ -103,12 +103,12 @@ void VelocityGate::emergencyStop(double now, bool pressed) {
   pressed_ = pressed;
   pressed_time_ = now;
   pressed_seen_ = true;
-  if (pressed) latchEmergencyStop(now);
+  if (pressed) latchEmergencyStop(now, "the emergency stop was pressed");
 }
 
-void VelocityGate::latchEmergencyStop(double now) {
+void VelocityGate::latchEmergencyStop(double now, const std::string& reason) {
   reset_due_ = parameters_.emergency_stop_reset != 0.0;
-  stop(now, GateState::kEmergencyStop, "the emergency stop was pressed");
+  stop(now, GateState::kEmergencyStop, reason);
   joystick_.lock(now);
 }
 
@@ -147,9 +147,10 @@ void VelocityGate::cutPower(double now, GateState cause, const std::string& reas
 
 Velocity VelocityGate::wanted(double now) {
   joystick_.update(now);
-  if (!emergency(now).empty()) {
+  const std::string emergency = this->emergency(now);
+  if (!emergency.empty()) {
     state_ = GateState::kEmergencyStop;
-    latchEmergencyStop(now);
+    latchEmergencyStop(now, emergency);
     return {};
   }
   if (!fault_.empty()) {

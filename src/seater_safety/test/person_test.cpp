@@ -95,6 +95,7 @@ TEST_F(PersonTest, ASilentEmergencyStopCountsAsPressed) {
   EXPECT_EQ(gate_.state(), GateState::kRequest);
   EXPECT_EQ(ask(kForward).linear, 0.0);
   EXPECT_EQ(gate_.state(), GateState::kEmergencyStop);
+  EXPECT_EQ(gate_.status(now_).stop_reason, "the emergency stop is silent, which counts as pressed");
   gate_.emergencyStop(now_, false);
   EXPECT_EQ(ask(kForward, 0.2).linear, 0.0) << "latched";
 }

@@ -145,3 +145,20 @@ def test_a_wrong_focal_length_keeps_the_principal_point() -> None:
     assert (told.width, told.height, told.K[0, 0], told.P[1, 2]) == (320, 240, 300.0, 120.0)
     fault.set("nan_distortion", ())
     assert np.isnan(fault.told(model).D).tolist() == [True, False, False, False, False]
+
+
+def test_a_shifted_or_zoomed_picture_and_a_camera_info_that_knows_nothing_of_it() -> None:
+    K = np.array([[600.0, 0.0, 320.0], [0.0, 600.0, 240.0], [0.0, 0.0, 1.0]])
+    model = CameraModel(640, 480, "plumb_bob", np.zeros(5), K, np.eye(3), np.hstack([K, np.zeros((3, 1))]))
+    fault = CameraFault()
+    assert fault.lens(model) is model
+    for kind, values, expected in [
+        ("shifted", (10.0, -3.0), (600.0, 330.0, 237.0)),
+        ("zoomed", (0.9,), (540.0, 320.0, 240.0)),
+    ]:
+        fault.set(kind, values)
+        lens = fault.lens(model)
+        for matrix in (lens.K, lens.P):
+            assert (matrix[1, 1], matrix[0, 2], matrix[1, 2]) == pytest.approx(expected)
+        assert fault.told(model) is model
+    assert model.K[0, 2] == 320.0

@@ -416,6 +416,19 @@ def test_a_contact_that_does_not_close_after_a_jump_says_so(make_world) -> None:
     assert result.text.startswith("the charging contact does not close: on the way the dock jumped")
 
 
+@pytest.mark.parametrize(("share", "hints"), [(-0.1, True), (0.0, False)])
+def test_a_contact_that_does_not_close_says_what_stands_out(make_world, share, hints) -> None:
+    """Of a focal length that was wrong from the start, and too little of the way driven to be sure."""
+    world = make_world((-1.6, 0.05, 0.02), require_contact=True, contact=lambda w: False)
+    world.shows = refocused(share)
+    world.tick()
+    world.sequence.start_dock(world.now)
+    result = world.run(120.0).result
+    assert result is not None and result.code is ResultCode.FAILED_TO_CHARGE
+    told = "the charging contact does not close: images and the way here hint at focal length or print size"
+    assert result.text.startswith(told) if hints else result.text == "the charging contact does not close"
+
+
 def test_after_a_jump_a_closed_contact_says_that_it_is_docked(make_world) -> None:
     """The dock, or the chair, was pushed."""
     world, _ = driving(make_world, (-1.2, 0.03, 1.0), -0.7, require_contact=True, contact=lambda w: w.truth[0] > 0.05)

@@ -12,10 +12,14 @@
 #include <memory>
 #include <mutex>
 #include <pluginlib/class_list_macros.hpp>
+#include <stdexcept>
+#include <string>
 
 #include "dock_choice.h"
-#include "image_pairs.h"
 #include "odometry_motion.h"
+#include "ros/inputs/image_pairs.h"
+#include "ros/inputs/senders.h"
+#include "ros/inputs/stamp_check.h"
 #include "ros_diagnostics.h"
 #include "ros_messages.h"
 #include "ros_parameters.h"
@@ -23,7 +27,6 @@
 #include "seater_perception/draw.h"
 #include "seater_perception/errors.h"
 #include "seater_perception/report.h"
-#include "stamp_check.h"
 
 namespace seater_perception {
 
@@ -36,6 +39,8 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr double kStampPeriod = 10.0;  // [s] wall time, as image_transport's
+
+  static double steadyTime() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
 
   void onInit() override {
     try {
@@ -130,7 +135,9 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     take(compressed_pairs_.image(image));
   }
 
-  void onInfo(const sensor_msgs::CameraInfoConstPtr& info) {
+  void onInfo(const ros::MessageEvent<const sensor_msgs::CameraInfo>& event) {
+    const sensor_msgs::CameraInfoConstPtr& info = event.getConstMessage();
+    cameras_.heard(event.getPublisherName(), steadyTime());
     stamps_.info();
     take(raw_pairs_.info(info));
     take(compressed_pairs_.info(info));  // no image of one of them ever comes
@@ -141,6 +148,8 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     if (!pair) return;
     stamps_.pair();
     guarded([&](const Clock::time_point& begin) {
+      const std::string trouble = cameras_.trouble(info_.getTopic(), steadyTime());
+      if (!trouble.empty()) throw std::runtime_error(trouble);
       followCalibration(*pair->second);
       process(toGrey(*pair->first), pair->first->header, begin);
     });
@@ -254,6 +263,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   ImagePairs<sensor_msgs::ImageConstPtr, sensor_msgs::CameraInfoConstPtr> raw_pairs_;
   ImagePairs<sensor_msgs::CompressedImageConstPtr, sensor_msgs::CameraInfoConstPtr> compressed_pairs_;
   StampCheck stamps_;
+  Senders cameras_;
   ros::WallTimer stamp_timer_;
   ros::Publisher detections_, dock_pose_;
   image_transport::Publisher annotated_;

@@ -103,7 +103,7 @@ class VelocityGate {
   std::string reason(double now) const;
   void notice(double now);
   void stop(double now, GateState cause, const std::string& reason);
-  void latchEmergencyStop(double now);
+  void latchEmergencyStop(double now, const std::string& reason);
   bool holds(double now) const;
   std::string emergency(double now) const;
   bool charges() const { return parameters_.charging_inhibit != 0.0 && closed_; }

@@ -23,9 +23,10 @@ std::string Neighbours::check() const {
     const std::string who = stranger_.empty() ? "another node" : stranger_;
     return who + " publishes " + own.getTopic() + " beside the safety gate";
   }
-  for (const ros::Subscriber& input : inputs_) {
-    const std::uint32_t count = input.getNumPublishers();
-    if (count > 1) return std::to_string(count) + " nodes publish " + input.getTopic() + ", one is allowed";
+  for (const auto& [input, allowed] : inputs_) {
+    const std::size_t count = input.getNumPublishers();
+    const std::string most = allowed == 1 ? "one is" : std::to_string(allowed) + " are";
+    if (count > allowed) return std::to_string(count) + " nodes publish " + input.getTopic() + ", " + most + " allowed";
   }
   return {};
 }

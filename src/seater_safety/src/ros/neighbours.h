@@ -4,6 +4,7 @@
 #include <ros/ros.h>
 #include <seater_msgs/GateState.h>
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -15,16 +16,21 @@ class Neighbours {
   // Listens to the gate's own topics cmd_vel and gate_state.
   explicit Neighbours(ros::NodeHandle& handle);
 
-  // One known publisher for this input.
-  void watch(const ros::Subscriber& input) { inputs_.push_back(input); }
+  // One known publisher for this input, or as many as `allowed`.
+  void watch(const ros::Subscriber& input, std::size_t allowed = 1) { inputs_.push_back({input, allowed}); }
   // Empty, or what is wrong.
   std::string check() const;
 
  private:
   void hear(const std::string& publisher);
 
+  struct Input {
+    ros::Subscriber subscriber;
+    std::size_t allowed;
+  };
+
   ros::Subscriber command_, state_;
-  std::vector<ros::Subscriber> inputs_;
+  std::vector<Input> inputs_;
   std::string stranger_;  // the last other node that sent on one of the gate's own topics
 };
 

@@ -37,6 +37,10 @@ SafetyGateNode::SafetyGateNode(const GateParameters& parameters, const std::vect
   }
   for (const ros::Subscriber& input : {request_, user_, emergency_stop_, speed_limit_, hold_}) neighbours_.watch(input);
   obstacles_ = handle_.subscribe("obstacle_points", 10, &SafetyGateNode::onObstacles, this, prompt);
+  neighbours_.watch(obstacles_, std::max<std::size_t>(1, sources.size()));
+  // Told while a person drives: a docking keeps clear of the walls by itself, nearer than the margin.
+  walls_ = handle_.subscribe("bay_walls", 10, &SafetyGateNode::onObstacles, this, prompt);
+  neighbours_.watch(walls_);
   arm_ = handle_.advertiseService("gate_arm", &SafetyGateNode::onArm, this);
   reset_ = handle_.advertiseService("gate_reset", &SafetyGateNode::onReset, this);
   if (lock_step) {

@@ -1,7 +1,7 @@
 // ROS shell of the velocity gate. Topics and service (relative):
 //   in   velocity_request (geometry_msgs/TwistStamped), user_cmd_vel (geometry_msgs/Twist),
 //        emergency_stop, hold_to_run and charging_contact (std_msgs/Bool), speed_limit (seater_msgs/SpeedLimit),
-//        obstacle_points (seater_msgs/ObstaclePoints),
+//        obstacle_points and bay_walls (seater_msgs/ObstaclePoints),
 //        not in lock-step: odom (nav_msgs/Odometry), motor_fault (seater_msgs/MotorFault);
 //        gate_arm (seater_msgs/GateArm): consent for one goal, of the calling node;
 //        gate_reset (std_srvs/Trigger): after an emergency stop
@@ -74,7 +74,8 @@ class SafetyGateNode {
   Outputs out_;
   Neighbours neighbours_;
   std::unique_ptr<MasterLink> master_;  // in lock-step none: how fast it answers depends on the machine
-  ros::Subscriber request_, user_, emergency_stop_, speed_limit_, hold_, contact_, odometry_, motor_fault_, obstacles_;
+  ros::Subscriber request_, user_, emergency_stop_, speed_limit_, hold_, contact_, odometry_, motor_fault_, obstacles_,
+      walls_;
   ros::ServiceServer arm_, reset_;
   ros::Timer lock_step_timer_;
   ros::SteadyTimer timer_, supervision_;

@@ -12,17 +12,21 @@ BLIND = 4.0  # [s] of what only the images tell: the chair drives on for the bli
 
 @dataclass(frozen=True)
 class Case:
-    """A fault. `action`: as ros/fault_trial.py carries it out; `codes`: names of the results that are right."""
+    """A fault. `action`: as ros/fault_actions.py carries it out; `codes`: names of the results that are right."""
 
     name: str
     action: tuple[str, ...]
     codes: frozenset[str]
     rest: float = BLIND  # [s] longest time from the fault to rest
     recovers: bool = True  # a new goal docks once the fault is gone
+    before: bool = False  # it is there before the goal is given
+    launch: tuple[str, ...] = ()  # further arguments of wheelchair.launch, as name=value
+    safety: tuple[str, ...] = ()  # other values of safety.yaml, as name=value
 
 
-def _case(name: str, action: str, codes: str, rest: float = BLIND, recovers: bool = True) -> Case:
-    return Case(name, tuple(action.split()), frozenset(codes.split()), rest, recovers)
+def _case(name: str, action: str, codes: str, rest: float = BLIND, recovers: bool = True, safety: str = "") -> Case:
+    words = tuple(safety.split())
+    return Case(name, tuple(action.split()), frozenset(codes.split()), rest, recovers, safety=words)
 
 
 CASES = [
@@ -35,12 +39,12 @@ CASES = [
     _case("images of NaN", "fail camera nan", "MARKER_LOST"),
     _case("camera_info of NaN", "fail camera nan_camera_info", "MARKER_LOST"),
     _case("camera_info with a NaN in D", "fail camera nan_distortion", "MARKER_LOST"),
-    _case("camera_info of half the size", "fail camera resized 0.5", "MARKER_LOST"),
+    _case("camera_info of half the size", "fail camera resized 0.5", "INCONSISTENT", AT_ONCE),
     _case("an image a second", "fail camera slow 1.0", "SUCCESS MARKER_LOST"),
     _case("images 0.5 s late", "fail camera late 0.5", "MARKER_LOST INCONSISTENT SUCCESS"),
     _case("dock moved aside by 0.3 m", "fail camera dock_moved 0.0 0.3", "INCONSISTENT MARKER_LOST", recovers=False),
     _case("camera turned by 5 deg", "fail camera knocked 5.0", "INCONSISTENT MARKER_LOST", 60.0),
-    _case("focal length told 10 % too long", "fail camera focal 1.1", "INCONSISTENT MARKER_LOST", 60.0),
+    _case("focal length told 10 % too long", "fail camera focal 1.1", "INCONSISTENT", AT_ONCE),
     _case("odometry frozen", "fail odometry frozen", "ODOMETRY_WRONG", BLIND),
     _case("odometry off", "fail odometry off", "ODOMETRY_LOST", AT_ONCE),
     _case("odometry without stamps", "fail odometry zero_stamps", "ODOMETRY_LOST", AT_ONCE),
@@ -60,4 +64,29 @@ CASES = [
     _case("perception killed", "signal kill /marker_detector", "MARKER_LOST SUCCESS"),
     _case("safety gate killed", "signal kill /safety_gate", "GATE_LOST UNKNOWN", AT_ONCE, recovers=False),
     _case("second publisher of requests", "foreign 0.3 1.0", "GATE_LOST", AT_ONCE),
+    _case("two tell obstacles, in turns", "second box+nothing obstacles", "BLOCKED", AT_ONCE),
+    _case("a second detector", "second repeat detections", "INCONSISTENT", AT_ONCE),
+    _case("a second camera", "second repeat camera/color/image_raw camera/color/camera_info", "INCONSISTENT", AT_ONCE),
+    _case("a second odometry", "second repeat odom", "GATE_LOST", AT_ONCE),
+    _case("a second joystick", "second repeat user_cmd_vel", "GATE_LOST", AT_ONCE),
+    _case("joystick forward for 5 s", "joystick 0.3 0.0 5.0", "STOPPED_BY_USER", 7.5),
+    _case("stop button falls silent", "heartbeat", "EMERGENCY_STOP", AT_ONCE, safety="emergency_stop_timeout=0.5"),
+    _case("docking node stands still for 5 s", "stop /docking 5.0", "GATE_LOST UNKNOWN", AT_ONCE),
+    _case("perception stands still for 1 s", "stop /marker_detector 1.0", "MARKER_LOST SUCCESS"),
+    _case("perception stands still for 5 s", "stop /marker_detector 5.0", "MARKER_LOST SUCCESS"),
+    _case("safety gate stands still for 1 s", "stop /safety_gate 1.0", "GATE_LOST", AT_ONCE),
+    _case("safety gate stands still for 5 s", "stop /safety_gate 5.0", "GATE_LOST", AT_ONCE),
+    _case("camera stands still for 1 s", "stop /camera 1.0", "MARKER_LOST SUCCESS"),
+    _case("camera stands still for 5 s", "stop /camera 5.0", "MARKER_LOST SUCCESS"),
+    _case("base stands still for 1 s", "stop /plant 1.0", "ODOMETRY_LOST"),  # and the simulated world with it
+    _case("rosnode kill of the docking node", "rosnode_kill /docking", "UNKNOWN GATE_LOST", AT_ONCE),
+    _case("rosnode kill of perception", "rosnode_kill /marker_detector", "MARKER_LOST SUCCESS"),
+    _case("rosnode kill of the safety gate", "rosnode_kill /safety_gate", "GATE_LOST UNKNOWN", AT_ONCE, recovers=False),
+    _case("another camera mount on /tf_static", "tf_static base_link camera_link 0.9", "SUCCESS"),
+    _case("live parameters changed", "live v_max 0.3 omega_max 0.4", "SUCCESS"),
+    _case("docks loaded anew", "reload", "SUCCESS"),
+    _case("goal with a time-out of NaN", "goal nan_timeout", "CANCELED", AT_ONCE),
+    _case("goal with a pose of NaN", "goal nan_pose", "CANCELED", AT_ONCE),
+    _case("goal to an unknown dock", "goal unknown", "CANCELED", AT_ONCE),
+    _case("goals and cancels for 2 s, 50 a second", "goal storm", "CANCELED", 3.5),
 ]

@@ -43,6 +43,15 @@ def info_topic(image: str) -> str:
     return image.rpartition("/")[0] + "/camera_info"
 
 
+def usable(message: CameraInfo) -> bool:
+    """Whether it is the calibration of a camera."""
+    try:
+        from_message(message)
+    except ParameterError:
+        return False
+    return True
+
+
 def from_message(message: CameraInfo) -> CameraModel:
     """Raises ParameterError: not calibrated, or a distortion model that is not known."""
     return CameraModel.from_mapping(

@@ -49,6 +49,7 @@ class Gate:
         self._lock_step = lock_step
         self._consent, self._confirmed, self._heard = 0, False, 0.0
         self._arrived = 0.0  # of the last state, whether it has been worked through or not
+        self._stood = (-1e9, 0.0)  # when this process went on after it stood still, and for how long [s]
         self.held_by = ""  # why the gate stopped the chair last for something in the way
         self._held: deque[tuple[float, bool]] = deque([(0.0, False)], maxlen=100)  # stamp [s], see `holds`
         self._motor_fault = rospy.Publisher("motor_fault", MotorFault, queue_size=10, tcp_nodelay=True)
@@ -109,10 +110,20 @@ class Gate:
     def named(self, result: Result) -> Result:
         """A chair that stands as nobody passes its requests on is not blocked: the gate is named before it has been
         silent for long enough to say so by itself."""
-        silent = time.monotonic() - self._arrived
-        if self._lock_step or result.code is not ResultCode.BLOCKED or silent <= MISSED:
+        now, (went_on, stood) = time.monotonic(), self._stood
+        if self._lock_step or result.code is not ResultCode.BLOCKED:
             return result
-        return replace(result, code=ResultCode.GATE_LOST, text=f"the safety gate has been silent for {silent:.1f} s")
+        if now - went_on <= PATIENCE:
+            text = f"the docking node stood still for {stood:.1f} s (loaded computer?), and the safety gate braked"
+        elif now - self._arrived > MISSED:
+            text = f"the safety gate has been silent for {now - self._arrived:.1f} s"
+        else:
+            return result
+        return replace(result, code=ResultCode.GATE_LOST, text=text)
+
+    def stood_still(self, seconds: float) -> None:
+        """This process has stood still, and the gate braked: what it works through now is of that time."""
+        self._stood = (time.monotonic(), seconds)
 
     def _ask(self, *, undock: bool) -> GateArmResponse | None:
         """The gate's answer; None when there is none in time. In a thread of its own: a call has no time-out."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import threading
 import time
@@ -11,6 +12,7 @@ from typing import Any
 import rospy
 import tf2_ros
 from nav_msgs.msg import Odometry as OdometryMsg
+from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Bool, Header
 
 from seater_common.files.docks import DockEntry
@@ -19,14 +21,17 @@ from seater_nmpc.control.command import Command
 from seater_nmpc.observe.observer import DockEstimate
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.ros import conversions
+from seater_nmpc.ros.camera import info_topic, usable
 from seater_nmpc.ros.core import Core, CoreMaker, flag
 from seater_nmpc.ros.diagnostics import Diagnostics
 from seater_nmpc.ros.docks.in_use import DockInUse
 from seater_nmpc.ros.docks.library import Docks, Loaded, read_docks
 from seater_nmpc.ros.docks.services import DockServices
+from seater_nmpc.ros.docks.walls import BayWalls
 from seater_nmpc.ros.gate import BY_A_PERSON, Gate, Loss
 from seater_nmpc.ros.goal_checks import RefusedError, check_goal, dock_of
 from seater_nmpc.ros.goals import ClientWatch, Goals
+from seater_nmpc.ros.inbox.inputs import Inputs
 from seater_nmpc.ros.inbox.odometry_age import OdometryAge
 from seater_nmpc.ros.inbox.worker import Handler, Worker
 from seater_nmpc.ros.live.server import LiveParameters
@@ -39,6 +44,7 @@ from seater_nmpc.sequence.goal.results import Phase, ResultCode, Step
 
 ZEROS_AFTER_GOAL = 5  # cycles in which zero is repeated after the end of a goal, or the beginning of a pause
 OUT_OF_DATE = 0.2  # [s] a request that is based on older odometry is not sent: the gate brakes in silence, too
+STOOD_STILL = 0.25  # [s] of this process: the gate, which hears of no request for so long, brakes (request_timeout)
 TIME_JUMP = 1.0  # [s] odometry this much older than the last one means that time started anew
 
 
@@ -59,6 +65,9 @@ class DockingNode:
         self._odometry: Odometry | None = None  # the newest that was of use
         self._inbox = Worker(lambda text: self._abort(ResultCode.UNKNOWN, text), self._answer)
         self._age = OdometryAge(lock_step=lock_step)
+        self._camera_info = info_topic(rospy.resolve_name("image"))
+        names = {topic: rospy.resolve_name(topic) for topic in ("odom", "detections", "obstacles")}
+        self._inputs = Inputs(names | {"camera_info": self._camera_info}, usable)
         self._out = Publishers(self._dock_frame, lock_step)
         self._tf = TransformBuffer()
         self._tf_in = tf2_ros.TransformListener(self._tf)
@@ -67,6 +76,7 @@ class DockingNode:
         self._goals = Goals(self._inbox.put)
         self._client = ClientWatch(core.parameters.sequence.client_timeout)
         self._gate = Gate(self._inbox.put, lock_step=lock_step)
+        self._walls = None if lock_step or core.shadow is not None else BayWalls()
         self._zone = SpeedZone(core.chair, core.dock, core.parameters.sequence.back_out_speed)
         self._dock_services = DockServices(docks, self._inbox.ask, speaks=core.shadow is None)
         contact = flag("~require_contact")
@@ -104,11 +114,13 @@ class DockingNode:
         )
         for topic, kind, size in topics:
             rospy.Subscriber(topic, kind, lambda m, t=topic: self._enqueue(t, m), queue_size=size, tcp_nodelay=True)
+        rospy.Subscriber(self._camera_info, CameraInfo, self._inputs.calibrated, queue_size=10)
         rospy.Subscriber("charging_contact", Bool, lambda m: self._inbox.put("contact", m.data), queue_size=10)
 
     def _enqueue(self, kind: str, content: Any) -> None:
         if kind == "odom":
             self._age.arrived(content.header.stamp)
+        self._inputs.heard(kind, content)
         self._inbox.put(kind, content)
 
     def _handlers(self) -> dict[str, Handler]:
@@ -170,11 +182,15 @@ class DockingNode:
         self._diagnostics.cycle()
         self._set_obstacles(now)
         self._tell_zone()
+        self._tell_walls()
         if self._core.shadow is not None:
             command = self._core.shadow.update(now)
             self._report(self._core.vehicle.command(command or Command(v=0.0, omega=0.0)), "SHADOW")
             return
         self._in_use.tell_docked(self._out.stamp, self._contact)
+        contradiction = self._inputs.contradiction(sees=self._goals.kind == "dock")
+        if contradiction is not None:
+            self._abort(*contradiction)
         if self._core.sequence.active:
             self._core.sequence.held, self._core.sequence.held_by = self._gate.holds(now), self._gate.held_by
             step = self._core.sequence.update(now, self._contact)
@@ -196,13 +212,23 @@ class DockingNode:
         if dock is not None and newest is not None and self._core.parameters.control.walls:
             obstacles = [*obstacles, *self._in_use.walls_left(dock, newest.pose)]
         self._core.controller.set_obstacles(obstacles)
-        self._core.sequence.unsure = self._obstacles.trouble(now)
+        self._core.sequence.unsure = self._obstacles.trouble(now) or self._inputs.unsure()
 
     def _tell_zone(self) -> None:
         estimate, newest = self._core.observer.estimate(), self._core.observer.odometry.newest
         if self._core.shadow is None and newest is not None:
             dock = None if estimate is None else estimate.pose
             self._zone.update(self._out.stamp, dock, newest.pose, backs_out=self._core.sequence.backs_out)
+
+    def _tell_walls(self) -> None:
+        estimate, newest = self._core.observer.estimate(), self._core.observer.odometry.newest
+        if self._walls is None or newest is None:
+            return
+        seen = estimate is not None and estimate.blind_distance <= self._core.parameters.sequence.max_blind_distance
+        dock = estimate.pose if estimate is not None and seen else None
+        docks = self._core.sequence.active and not self._core.sequence.paused
+        base = self._core.vehicle.pose(newest.pose)
+        self._walls.update(self._out.stamp, self._core.dock.bay, dock, base, docks=docks)
 
     def _send(self, step: Step, *, ask: bool = True, release: bool = True) -> None:
         command = self._core.vehicle.command(step.command)
@@ -266,6 +292,7 @@ class DockingNode:
         self._goals.accept(kind, handle)
         self._in_use.use(name, self._out.stamp)
         self._client.begin(handle.goal)
+        self._inputs.begin()
         counters = self._core.controller.counters
         self._fallbacks_before = counters.shifted + counters.braked
         if kind == "dock":
@@ -337,7 +364,10 @@ class DockingNode:
         """Zero when the odometry stops or the gate is silent during a goal, even when the worker is busy."""
         limit = self._core.parameters.sequence.odometry_timeout
         while not rospy.is_shutdown():
+            before = time.monotonic()
             time.sleep(0.05)
+            if time.monotonic() - before > STOOD_STILL:
+                self._gate.stood_still(time.monotonic() - before)
             if self._core.sequence.active and self._age.silence() > limit:
                 self._out.request(0.0, 0.0)
                 self._inbox.put("watchdog", None)
@@ -348,6 +378,8 @@ class DockingNode:
 
     def _on_shutdown(self) -> None:
         self._out.close()
+        with contextlib.suppress(rospy.ROSException):  # its client gets a result, unless a publisher is closed already
+            self._abort(ResultCode.UNKNOWN, "the docking node ends")
         for _ in range(3):
             if self._core.shadow is None:
                 self._out.request(0.0, 0.0)

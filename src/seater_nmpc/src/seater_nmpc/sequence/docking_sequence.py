@@ -304,11 +304,12 @@ class DockingSequence:
             return end.code, end.text
         doubt = self._watch.final() or (None if self._goal.contact else self._watch.jumped())
         suspicion = self._watch.suspected() if end.code is ResultCode.SUCCESS else ""
+        hint = self._watch.hint() if end.code is ResultCode.FAILED_TO_CHARGE else ""
         self._watch.learn(turned=self._phases.installation_shown)
         if doubt is not None:
             failed = "" if end.code is ResultCode.SUCCESS else f"{end.text}: "
             return ResultCode[doubt.kind.name], failed + doubt.text
-        text = f"{end.text}, but {suspicion}" if suspicion else end.text
+        text = f"{end.text}, but {suspicion}" if suspicion else f"{end.text}: {hint}" if hint else end.text
         unsure = self._watch.unsure(self._standard_deviations[0], checked=self._phases.installation_checked)
         if end.code is ResultCode.SUCCESS and unsure and not self._goal.contact:
             return ResultCode.NOT_CERTAIN, f"{text}, and {unsure}"

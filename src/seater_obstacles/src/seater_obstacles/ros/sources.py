@@ -10,6 +10,7 @@ import rospy
 from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2
 
+from seater_common.inputs.senders import Senders, sender_of
 from seater_obstacles.depth import DepthImages, cloud_sight
 from seater_obstacles.ros import messages
 from seater_obstacles.scan import scan_sight
@@ -30,6 +31,7 @@ class Source:
         self.kind, self._settings, self._queue_size = kind, settings, queue_size
         self._depth = DepthImages(settings.stride)
         self._K: Array | None = None
+        self._senders = Senders(rospy.resolve_name(TOPICS[kind][0]))
         self._size = (0, 0)  # width and height that `_K` is of [px]; 0: not told
         self._makers: dict[str, Callable[[Any, Array], Sight]] = {
             "scan": self._of_scan,
@@ -42,11 +44,19 @@ class Source:
         if self.kind == "depth":
             rospy.Subscriber("depth/camera_info", CameraInfo, self._on_info, queue_size=1)
         topic, message = TOPICS[self.kind]
+
+        def take(came: Any) -> None:
+            self._senders.heard(sender_of(came))
+            callback(came)
+
         buffer = 2**24 if self.kind != "scan" else 2**16  # so that an old image does not wait in it
-        rospy.Subscriber(topic, message, callback, queue_size=self._queue_size, buff_size=buffer, tcp_nodelay=True)
+        rospy.Subscriber(topic, message, take, queue_size=self._queue_size, buff_size=buffer, tcp_nodelay=True)
 
     def sight(self, message: Any, T_base_sensor: Array) -> Sight:
         """Raises ValueError: the message cannot be used, with the reason."""
+        trouble = self._senders.trouble()
+        if trouble:
+            raise ValueError(trouble)
         return self._makers[self.kind](message, T_base_sensor)
 
     def measured(self, message: Any) -> bytes:

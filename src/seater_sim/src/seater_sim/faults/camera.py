@@ -75,6 +75,17 @@ class CameraFault:
         yaw, pitch = map(math.radians, self._values)
         return replace(mount, yaw=mount.yaw + yaw, pitch=mount.pitch + pitch)
 
+    def lens(self, model: CameraModel) -> CameraModel:
+        """Through which it looks, whatever camera_info says."""
+        if self._kind == "zoomed":
+            return replace(model, K=_scaled(model.K, self._values[0]), P=_scaled(model.P, self._values[0]))
+        if self._kind != "shifted":
+            return model
+        K, P = model.K.copy(), model.P.copy()
+        K[:2, 2] += self._values
+        P[:2, 2] += self._values
+        return replace(model, K=K, P=P)
+
     def told(self, model: CameraModel) -> CameraModel:
         """What camera_info says."""
         if self._kind == "resized":

@@ -65,6 +65,8 @@ CAMERA = {
     "nan_distortion": Kind("good images, the distortion's first coefficient is NaN"),
     "dock_moved": Kind("somebody moves the markers, all alike", ("X [m]", "Y [m]", "HEADING [deg]"), 2),
     "knocked": Kind("the camera is turned on its mount", ("YAW [deg]", "PITCH [deg]"), 1),
+    "shifted": Kind("the picture is shifted", ("RIGHT [px]", "DOWN [px]"), 1),
+    "zoomed": Kind("the true focal length is so many times that of camera_info", ("FACTOR",)),
     "focal": Kind("camera_info's focal length is so many times the true one", ("FACTOR",)),
 }
 COMPONENTS = {"plant": PLANT, "odometry": ODOMETRY, "camera": CAMERA}

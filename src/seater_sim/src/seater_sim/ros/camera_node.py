@@ -46,8 +46,8 @@ class CameraNode:
 
     def _make_camera(self) -> Camera:
         o = self._options
-        mount = self._fault.mount(o.chair.camera)
-        return Camera(self._model, mount, o.dock, self._settings, o.simulator.scene, o.simulator.obstacles)
+        lens, mount = self._fault.lens(self._model), self._fault.mount(o.chair.camera)
+        return Camera(lens, mount, o.dock, self._settings, o.simulator.scene, o.simulator.obstacles)
 
     def _on_truth(self, message: Odometry) -> None:
         self._truth = message

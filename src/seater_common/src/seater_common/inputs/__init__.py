@@ -1,0 +1,1 @@
+"""What nodes want to know of their inputs beside the messages."""
