@@ -12,8 +12,8 @@ from seater_common.se2 import arc_step, compose, inverse, relative, transform_po
 from seater_nmpc.observe.measurement import Measurement, in_frame
 from seater_nmpc.observe.odometry import Odometry, OdometryBuffer
 from seater_nmpc.parameters import ObserverParameters
-from seater_nmpc.plausibility.installation import Installation
-from seater_nmpc.plausibility.knowledge import NAMES
+from seater_nmpc.plausibility.installation.installation import Installation
+from seater_nmpc.plausibility.installation.knowledge import NAMES
 
 CHAIR, DOCK = Chair(), Dock()
 MOUNT = np.array([CHAIR.camera.x, CHAIR.camera.y, CHAIR.camera.yaw])

@@ -17,7 +17,7 @@ from seater_nmpc.observe.drift import SIZE
 from seater_nmpc.observe.measurement import Measurement, in_frame
 from seater_nmpc.observe.odometry import Odometry, OdometryBuffer
 from seater_nmpc.parameters import ObserverParameters
-from seater_nmpc.plausibility.installation import Installation
+from seater_nmpc.plausibility.installation.installation import Installation
 
 Way = list[tuple[float, float, float]]  # v [m/s], omega [rad/s], duration [s]
 

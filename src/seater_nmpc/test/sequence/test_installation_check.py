@@ -15,7 +15,7 @@ from seater_common.geometry import Chair, Dock
 from seater_common.se2 import compose, inverse
 from seater_common.sight import Sight
 from seater_nmpc.ocp.constraints.view import kept_field
-from seater_nmpc.plausibility.knowledge import InstallationError, Knowledge
+from seater_nmpc.plausibility.installation.knowledge import InstallationError, Knowledge
 from seater_nmpc.sequence.goal.results import Phase, ResultCode
 from seater_nmpc.sequence.phases.swing import Swing
 

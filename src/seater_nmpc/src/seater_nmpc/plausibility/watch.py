@@ -20,9 +20,9 @@ from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Contradiction, Kind
 from seater_nmpc.plausibility.image_motion import CLOCKS, Shown, contradiction, speeds_by_images
 from seater_nmpc.plausibility.image_turn import turn_contradicts
-from seater_nmpc.plausibility.installation import Installation
+from seater_nmpc.plausibility.installation.installation import Installation
+from seater_nmpc.plausibility.installation.knowledge import KEYS, NAMES, PLACES, Knowledge, without_turns
 from seater_nmpc.plausibility.jump import Shift, sudden
-from seater_nmpc.plausibility.knowledge import KEYS, NAMES, PLACES, Knowledge, without_turns
 from seater_nmpc.plausibility.markers import Markers
 from seater_nmpc.plausibility.response import Response
 

@@ -29,7 +29,7 @@ from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.observe.odometry import Odometry
 from seater_nmpc.parameters import PlausibilityParameters, SequenceParameters
 from seater_nmpc.plan.navigator import Navigator
-from seater_nmpc.plausibility.knowledge import Knowledge
+from seater_nmpc.plausibility.installation.knowledge import Knowledge
 from seater_nmpc.plausibility.watch import Watch
 from seater_nmpc.sequence.ends import Ends
 from seater_nmpc.sequence.goal.deadlines import Pause

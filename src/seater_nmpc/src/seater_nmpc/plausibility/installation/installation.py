@@ -27,8 +27,8 @@ from seater_nmpc.observe.drift import SIZE, Drift, transitions
 from seater_nmpc.observe.measurement import Measurement, difference
 from seater_nmpc.observe.odometry import Instant
 from seater_nmpc.parameters import ObserverParameters
-from seater_nmpc.plausibility.castors import Castors
-from seater_nmpc.plausibility.knowledge import (
+from seater_nmpc.plausibility.installation.castors import Castors
+from seater_nmpc.plausibility.installation.knowledge import (
     PLACES,
     PRIOR,
     SERIES,
