@@ -111,7 +111,7 @@ def test_what_vanishes_with_more_slip_is_slip(slipping: float, turned: float, do
     of the campaign 3300000, 3 mm off) shows a place of the camera by its wriggles alone: there more has to stay."""
     installation = Installation(CHAIR.camera, DOCK, ObserverParameters())
     installation._headings = (-0.5 * turned, 0.5 * turned)
-    installation._evidence = np.array([0.0, -58.0, -182.0, -487.0])
+    installation._filters.evidence = np.array([0.0, -58.0, -182.0, -487.0])
     covariance = np.diag([2.5e-4, 4.5e-4, 8e-6, 1e-3])
     values = [(0.004, y, -0.001, 0.0) for y in (0.0785, slipping, 0.005, 0.0003)]
     error = installation._mildest([(np.array(one), covariance) for one in values], dockings)
@@ -148,8 +148,8 @@ def test_a_dock_that_was_known_by_its_mirror_image_begins_anew_where_that_lasts(
 
 
 def test_a_wrong_image_after_a_blind_way_accuses_nobody() -> None:
-    """A start beside the bay met it: the first image after 22 s without one was wrong. It was believed, as the wheels may
-    have slipped by so much, and the right ones after it were not; the focal length was accused."""
+    """A start beside the bay met it: the first image after 22 s without one was wrong. It was believed, as the wheels
+    may have slipped by so much, and the right ones after it were not; the focal length was accused."""
     backward_and_on = [(-0.15, 0.2)] * 1000 + [(0.2, -0.25)] * 800  # without images
     way, blind = S_CURVE[:300] + backward_and_on + S_CURVE[300:], range(300, 2100)
     installation, buffer = Installation(CHAIR.camera, DOCK, ObserverParameters()), OdometryBuffer(60.0, 0.1)
