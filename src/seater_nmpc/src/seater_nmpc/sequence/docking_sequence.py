@@ -281,17 +281,17 @@ class DockingSequence:
 
     @property
     def installation(self) -> dict[str, tuple[float, float]]:
-        """What the last goal has found of the installation, see Watch.installation."""
-        return self._watch.installation
+        """What the last goal has found of the installation, see InstallationWatch.found."""
+        return self._watch.installation.found
 
     @property
     def knowledge(self) -> Knowledge:
         """Of the installation, by the dockings so far; may be set between goals."""
-        return self._watch.knowledge
+        return self._watch.installation.knowledge
 
     @knowledge.setter
     def knowledge(self, known: Knowledge) -> None:
-        self._watch.knowledge = known
+        self._watch.installation.knowledge = known
 
     @property
     def _docking(self) -> bool:
@@ -302,14 +302,15 @@ class DockingSequence:
         that has jumped in the images; not the latter where the contact says that the chair stands in it."""
         if end.code not in _AT_THE_DOCK or not self._docking:
             return end.code, end.text
-        doubt = self._watch.final() or (None if self._goal.contact else self._watch.jumped())
-        suspicion = self._watch.suspected() if end.code is ResultCode.SUCCESS else ""
+        installation = self._watch.installation
+        doubt = installation.final() or (None if self._goal.contact else self._watch.jumped())
+        suspicion = installation.suspected() if end.code is ResultCode.SUCCESS else ""
         self._watch.learn(turned=self._phases.installation_shown)
         if doubt is not None:
             failed = "" if end.code is ResultCode.SUCCESS else f"{end.text}: "
             return ResultCode[doubt.kind.name], failed + doubt.text
         text = f"{end.text}, but {suspicion}" if suspicion else end.text
-        unsure = self._watch.unsure(self._standard_deviations[0], checked=self._phases.installation_checked)
+        unsure = installation.unsure(self._standard_deviations[0], checked=self._phases.installation_checked)
         if end.code is ResultCode.SUCCESS and unsure and not self._goal.contact:
             return ResultCode.NOT_CERTAIN, f"{text}, and {unsure}"
         return end.code, text
@@ -320,7 +321,7 @@ class DockingSequence:
         covariance = self._goal.covariance
         if covariance is None:
             return 0.0, 0.0
-        final = self._watch.final_error(turned=self._phases.installation_shown)
+        final = self._watch.installation.final_error(turned=self._phases.installation_shown)
         return standard_deviations(covariance, self.observer.parameters, *final)
 
     @property

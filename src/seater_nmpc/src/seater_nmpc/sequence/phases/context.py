@@ -120,7 +120,7 @@ class Context:
     def try_again(self, code: ResultCode, why: str) -> Phase:
         """The chair backs out for another attempt; where none is left, the goal is given up with this code, and at once
         where the installation is surely wrong: another attempt would end beside the dock as well."""
-        doubt = None if self.goal.staging else self.watch.final()
+        doubt = None if self.goal.staging else self.watch.installation.final()
         if doubt is not None:
             return self.give_up(ResultCode[doubt.kind.name], f"{why}: {doubt.text}")
         if self.goal.retries >= self.parameters.max_retries:

@@ -94,7 +94,7 @@ class WayIn:
         c = self._context
         if c.goal.staging or error[0] > self._mouth:
             return
-        wrong = c.watch.walls()
+        wrong = c.watch.installation.walls()
         if wrong is not None:
             raise GoalEnd(ResultCode[wrong.kind.name], f"in front of the bay: {wrong.text}")
 
