@@ -92,7 +92,7 @@ CAPTIONS = {
         "ros": "docking node", "sequence": "goal to result", "sequence/phases": "what it does in each",
         "sequence/goal": "results, time-outs",
         "control": "one command a cycle", "plan": "paths",
-        "observe": "dock and chair", "solve": "solvers", "ocp": "model, cost",
+        "observe": "dock and chair", "observe/odometry": "wheels", "solve": "solvers", "ocp": "model, cost",
         "ocp/constraints": "walls, view, ...", "controller": "for other programs", "parameters": "what a user tunes",
         "programme": "NLP in stages", "plausibility": "do all agree?", "plausibility/installation": "camera mount",
     },

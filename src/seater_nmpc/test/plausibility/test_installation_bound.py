@@ -14,7 +14,8 @@ import pytest
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import arc_step, compose, inverse
 from seater_nmpc.observe.measurement import Measurement, in_frame
-from seater_nmpc.observe.odometry import Odometry, OdometryBuffer
+from seater_nmpc.observe.odometry.buffer import OdometryBuffer
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import ObserverParameters
 from seater_nmpc.plausibility.installation.installation import Installation
 

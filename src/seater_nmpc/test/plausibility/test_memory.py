@@ -13,7 +13,8 @@ from test_installation import CHAIR, DOCK, LIMITS, NOISE, S_CURVE, seen
 from seater_common.camera_model import CameraModel
 from seater_common.se2 import arc_step
 from seater_nmpc.observe.measurement import Measurement, in_frame
-from seater_nmpc.observe.odometry import Odometry, OdometryBuffer
+from seater_nmpc.observe.odometry.buffer import OdometryBuffer
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import ObserverParameters
 from seater_nmpc.plausibility.installation.installation import _MODEL, Installation
 from seater_nmpc.plausibility.installation.knowledge import Knowledge, nothing_known

@@ -5,7 +5,8 @@ import pytest
 
 from seater_common.se2 import compose, inverse
 from seater_nmpc.observe.measurement import Measurement
-from seater_nmpc.observe.odometry import NO_TRAVEL, Instant
+from seater_nmpc.observe.odometry.instant import Instant
+from seater_nmpc.observe.odometry.travel import NO_TRAVEL
 from seater_nmpc.parameters import SequenceParameters
 from seater_nmpc.sequence.rest.correction import Verdict, judge, standing_dock, surely
 from seater_nmpc.sequence.rest.roll import Roll

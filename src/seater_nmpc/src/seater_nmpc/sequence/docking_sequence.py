@@ -26,7 +26,7 @@ from seater_nmpc.observe.innovation import Fusion
 from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.motion import MotionObserver
 from seater_nmpc.observe.observer import DockObserver
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import PlausibilityParameters, SequenceParameters
 from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.plausibility.installation.knowledge import Knowledge

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from seater_common.geometry import CameraMount, Dock
 from seater_common.se2 import relative, transform_points
-from seater_nmpc.observe.drift import SIZE as DRIFT
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.drift import SIZE as DRIFT
+from seater_nmpc.observe.odometry.instant import Instant
 
 Array = NDArray[np.float64]
 

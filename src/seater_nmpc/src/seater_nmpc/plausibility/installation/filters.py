@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.se2 import wrap_angle
-from seater_nmpc.observe.drift import SIZE as DRIFT
-from seater_nmpc.observe.drift import Drift, transitions
 from seater_nmpc.observe.measurement import Measurement, difference
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.drift import SIZE as DRIFT
+from seater_nmpc.observe.odometry.drift import Drift, transitions
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.parameters import ObserverParameters
 from seater_nmpc.plausibility.installation.castors import Castors
 from seater_nmpc.plausibility.installation.effect import ALL, Effect

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from seater_common.geometry import CameraMount, Dock
 from seater_common.se2 import wrap_angle
 from seater_nmpc.observe.measurement import Measurement, difference
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.parameters import ObserverParameters
 from seater_nmpc.plausibility.installation.effect import Effect
 from seater_nmpc.plausibility.installation.filters import Found, SlipFilters

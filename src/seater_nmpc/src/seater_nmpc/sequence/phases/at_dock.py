@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from seater_common.se2 import inverse
 from seater_nmpc.control.command import Command
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import STANDING, Asked, Context
 from seater_nmpc.sequence.rest import way_on

@@ -14,7 +14,7 @@ from seater_nmpc.control.command import Command
 from seater_nmpc.control.controller import DockingController, Target
 from seater_nmpc.observe.motion import MotionObserver
 from seater_nmpc.observe.observer import DockEstimate, DockObserver
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.parameters import SequenceParameters
 from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.plausibility.watch import Watch

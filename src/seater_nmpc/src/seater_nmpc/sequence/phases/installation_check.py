@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.sight import Sight
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import Asked, Context
 from seater_nmpc.sequence.phases.swing import Swing

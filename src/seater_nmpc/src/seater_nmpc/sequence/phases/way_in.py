@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from seater_common.se2 import compose
 from seater_nmpc.control.command import Command
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.plan.corridor import Corridor, room_beyond, straight_in
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import STANDING, Asked, Context

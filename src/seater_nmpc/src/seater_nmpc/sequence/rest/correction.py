@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from seater_common.se2 import inverse
 from seater_nmpc.observe.measurement import Measurement, combine, in_frame
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.parameters import SequenceParameters
 
 Array = NDArray[np.float64]
