@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import relative
 from seater_nmpc.control.command import Command
-from seater_nmpc.control.controller import DockingController, Target
+from seater_nmpc.control.controller import DockingController
+from seater_nmpc.control.target import Target
 from seater_nmpc.observe.motion import MotionObserver
 from seater_nmpc.observe.observer import DockEstimate, DockObserver
 from seater_nmpc.observe.odometry.instant import Instant

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from seater_common.se2 import relative
 from seater_nmpc.control.command import Command
-from seater_nmpc.control.controller import Target
+from seater_nmpc.control.target import Target
 from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.plan.way_back import WayBack
 from seater_nmpc.sequence.goal.results import GoalEnd, ResultCode
