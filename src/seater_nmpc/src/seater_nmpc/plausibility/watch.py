@@ -22,7 +22,7 @@ from seater_nmpc.plausibility.image_turn import turn_contradicts
 from seater_nmpc.plausibility.installation_watch import InstallationWatch
 from seater_nmpc.plausibility.jump import Shift, sudden
 from seater_nmpc.plausibility.markers import Markers
-from seater_nmpc.plausibility.response import Response
+from seater_nmpc.plausibility.obedience import Obedience
 
 Array = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ class Watch:
         parameters: PlausibilityParameters,
     ) -> None:
         self._observer, self._parameters = observer, parameters
-        self._response = Response(history, chair.limits, parameters)
+        self._obedience = Obedience(history, chair.limits, parameters)
         self._middle = dock.front[:2]
         self._markers = Markers(chair.camera, dock, parameters)
         self.installation = InstallationWatch(chair, dock, observer.parameters, parameters)
@@ -70,7 +70,7 @@ class Watch:
         self._begun = now
         self._suspected.clear()
         self._blocked = None
-        self._response.restart(now)
+        self._obedience.restart(now)
         self._acquired = self._observer.images.counts[Outcome.ACQUIRED]
         self._known = self._observer.estimate() is not None
 
@@ -80,12 +80,12 @@ class Watch:
 
     def asked(self, stamp: float, v: float, omega: float) -> None:
         """What the cycle sends."""
-        self._response.asked(stamp, v, omega)
+        self._obedience.asked(stamp, v, omega)
 
     def check(self, now: float) -> Contradiction | None:
         """At message time `now` [s]."""
         self._note_jump()
-        found = self._motion_in_images() or self._response.check(now, self._observer.odometry)
+        found = self._motion_in_images() or self._obedience.check(now, self._observer.odometry)
         if found is not None and found.kind is Kind.BLOCKED:
             self._blocked, found = self._blocked or (now, found), None
         return found or self._stands(now) or self._place() or self._markers.check()

@@ -37,7 +37,7 @@ class SmallMoves:
         self._effects = AfterEffects()
 
     def choose(self, error: Array, roll: Roll, period: float) -> Correction:
-        """What is to be done; `move` is the move, if it is one. `roll`: as stops have shown; `period`: of cycles [s]."""
+        """What is to be done; `move` is the one, if it is one. `roll`: as stops have shown; `period`: of cycles [s]."""
         p, before, effects = self._parameters, self.move, self._effects
         effects.roll = roll
         if before is not None and self._moved_from is not None:

@@ -41,7 +41,7 @@ class _Asked:
     speeds: Speeds
 
 
-class Response:
+class Obedience:
     """Tell it what is asked for in each cycle, and `check`."""
 
     def __init__(self, history: CommandHistory, limits: Limits, parameters: PlausibilityParameters) -> None:
