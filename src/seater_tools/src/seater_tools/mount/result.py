@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_common.geometry import CameraMount, Dock
+from seater_common.geometry import Dock
 from seater_common.se2 import wrap_angle
 from seater_tools.mount.layout import MARKER, MOUNT, ODOMETRY
 from seater_tools.mount.prior import Lengths
@@ -83,11 +83,6 @@ def judge(solution: Solution, dock: Dock, lengths: Lengths) -> Calibration:
         missing=_missing(mount, len(layout.ids)),
         notes=[*_held(), *_scale(lengths, scale_sd), *_leaning(rows), *_kept(markers)],
     )
-
-
-def mount_of(calibration: Calibration) -> CameraMount:
-    """The new one."""
-    return CameraMount(**{value.name: value.used for value in calibration.mount})
 
 
 def _marker(id: int, dock: Dock, found: tuple[Array, Array] | None) -> list[Value]:
