@@ -73,6 +73,14 @@ def test_another_lens_asks_for_the_mount_again(installation: Installation) -> No
     assert "seater calibrate mount" in installation.next()
 
 
+def test_a_lens_that_comes_with_its_mount_asks_for_none(installation: Installation, tmp_path: Path) -> None:
+    new = {role: tmp_path / f"new_{role}.yaml" for role in ("camera", "chair")}
+    new["camera"].write_text("# Lens calibrated: today\n")
+    new["chair"].write_text("# Camera calibrated: today\n")
+    installation.take(new)
+    assert installation.done()["lens calibrated"] and installation.done()["mount calibrated"]
+
+
 def test_the_old_file_is_kept(installation: Installation) -> None:
     (line,) = put(installation, "chair", "role: new\n")
     assert installation.file("chair").read_text() == "role: new\n"

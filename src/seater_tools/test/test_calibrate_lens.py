@@ -59,6 +59,9 @@ def test_the_command_writes_a_camera_info_that_is_right(photographs: Path, tmp_p
     assert intrinsics(found)[:2] == pytest.approx(intrinsics(lens)[:2], rel=0.0025)  # 3 sd of 20 views of 640 x 480
     assert intrinsics(found)[2:] == pytest.approx(intrinsics(lens)[2:], abs=1.0)
     assert found.P[0, 0] > 0.5 * found.K[0, 0]
+    assert found.covariance is not None
+    off = np.array([*intrinsics(found), *found.D]) - [*intrinsics(lens), *lens.D]
+    assert np.all(np.abs(off) < 4.0 * np.sqrt(np.diag(found.covariance))), off
     assert (tmp_path / "my_camera.png").stat().st_size > 10_000
     again = run("calibrate", *words)
     assert again.returncode == 1 and "exists already; --force" in again.stderr

@@ -13,7 +13,7 @@ from drive_by_hand import CAMERA, Truth, make_drive
 from printed import CONFIG, DEFAULT_DOCK
 from test_drive import write_bag
 
-from seater_common.camera_model import CameraModel
+from seater_common.camera_model import COVARIANCE, CameraModel
 from seater_common.geometry import Chair, Dock
 from seater_common.params import load, read_yaml
 from seater_sim.camera.camera import Camera
@@ -104,6 +104,29 @@ def test_the_files_of_an_installation_are_replaced(files: Path, tmp_path: Path) 
     text = (tmp_path / "chair.yaml").read_text()
     assert text.count("# Camera calibrated: ") == 1
     assert load(Chair, read_yaml(tmp_path / "chair.yaml"), "c").camera.x == pytest.approx(Truth().mount[0], abs=0.01)
+
+
+def test_a_camera_that_says_how_certain_it_is_is_found_too(files: Path, tmp_path: Path) -> None:
+    values = read_yaml(files / "camera.yaml")
+    values["camera_matrix"]["data"][0] += 0.2
+    values["camera_name"] = "front"
+    values[COVARIANCE] = {"data": np.diag([0.06, 0.06, 0.2, 0.2, *[1e-7] * 5]).ravel().tolist()}
+    assert run("installation", tmp_path).returncode == 0
+    camera = tmp_path / "camera.yaml"
+    for _ in range(2):
+        camera.write_text("# Lens calibrated: today\n# 20 views\n" + yaml.safe_dump(values))
+        done = run(NODE, "mount", "--installation", tmp_path, "--drive", files / "drive.npz")
+        assert done.returncode == 0 and "Give camera.yaml to the camera's driver" in done.stdout, done.stderr
+        for old in tmp_path.glob("*.yaml.2*"):
+            old.unlink()
+    lines = camera.read_text().splitlines()
+    assert lines[:2] == ["# Lens calibrated: today", "# 20 views"] and lines[2].startswith("# With the mount: 20")
+    assert "camera_name: front" in lines and not lines[3].startswith("#")
+    found = CameraModel.load(camera)
+    assert found.covariance is not None and 0.0 < found.covariance[0, 0] < 0.06
+    assert abs(found.K[0, 0] - CAMERA.K[0, 0]) < 4.0 * np.sqrt(found.covariance[0, 0])
+    assert found.P[0, 0] > 0.0
+    assert "Camera calibrated: " in (tmp_path / "chair.yaml").read_text()
 
 
 def test_files_that_were_given_are_never_overwritten(files: Path, tmp_path: Path) -> None:

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from drive_by_hand import CAMERA, TRACK, TURNS, Truth, corners_of, make_drive
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import CameraMount, Dock
 from seater_tools.drive.drive import DriveError
 from seater_tools.mount.gauge import held_still
 from seater_tools.mount.prior import Lengths
-from seater_tools.mount.result import judge
+from seater_tools.mount.result import camera_of, judge
 from seater_tools.mount.solve import Solution, solve
 
 IMAGES = 60  # enough for a test
@@ -184,3 +185,47 @@ def test_a_point_of_the_model_is_where_opencv_puts_it(solution: Solution) -> Non
     expected = {int(row[0]): corners_of(row, np.array([-1.2, 0.1, 0.05]), TRUTH.mount) for row in TRUTH.markers}
     for id, corners in zip(problem.drive.ids, problem.corners(state), strict=True):
         assert corners == pytest.approx(expected[int(id)], abs=1e-6)
+
+
+# Of fx, fy, cx, cy, k1, k2, p1, p2, k3: what twenty views of a board leave, fx and fy nearly as one.
+LENS_SD = np.array([0.25, 0.25, 0.4, 0.4, 4e-4, 8e-4, 5e-5, 6e-5, 5e-4])
+_TOGETHER = np.eye(9)
+_TOGETHER[0, 1] = _TOGETHER[1, 0] = 0.98
+LENS_COVARIANCE = _TOGETHER * np.outer(LENS_SD, LENS_SD)
+
+
+def calibrated(seed: int) -> CameraModel:
+    """CAMERA as such views make it."""
+    off = np.random.default_rng(seed).multivariate_normal(np.zeros(9), LENS_COVARIANCE)
+    K = CAMERA.K + np.array([[off[0], 0.0, off[2]], [0.0, off[1], off[3]], [0.0, 0.0, 0.0]])
+    return dataclasses.replace(CAMERA, K=K, D=CAMERA.D + off[4:], covariance=LENS_COVARIANCE)
+
+
+def test_a_lens_that_is_a_little_off_does_not_move_the_camera_unnoticed() -> None:
+    """Six calibrations: taken for exact they put the camera elsewhere by many of its standard deviations."""
+    normalised, exact, drive = [], [], make_drive(TRUTH)
+    true = np.array(TRUTH.mount)
+    true[2] += true_rows(TRUTH)[1][2]
+    for seed in range(6):
+        camera = calibrated(seed)
+        for known, errors in ((camera, normalised), (dataclasses.replace(camera, covariance=None), exact)):
+            found = solve(drive, known, CameraMount(), Dock(), TAPE, 40)
+            layout, sd = found.problem.layout, np.sqrt(np.diag(found.covariance))
+            off = layout.mount(found.state) - true
+            errors.append(off / layout.mount(sd))
+        lens = camera_of(solve(drive, camera, CameraMount(), Dock(), TAPE, 40))
+        assert lens.covariance is not None
+        assert np.all(np.diag(lens.covariance) <= 1.001 * np.diag(LENS_COVARIANCE))
+        assert abs(lens.K[0, 0] - CAMERA.K[0, 0]) < 4.0 * math.sqrt(lens.covariance[0, 0])
+    # chi with 6 degrees of freedom, 99.9 %
+    assert np.all(np.sqrt(np.mean(np.square(normalised), axis=0)) < 1.9)
+    assert np.max(np.abs(exact)) > 10.0 > 4.0 > np.max(np.abs(normalised))
+
+
+def test_a_drive_that_contradicts_the_lens_says_so() -> None:
+    other = dataclasses.replace(calibrated(1), K=CAMERA.K + np.diag([6.0, 6.0, 0.0]))  # 1 % of the focal length
+    notes = judge(solve(make_drive(TRUTH), other, CameraMount(), Dock(), TAPE, IMAGES), Dock(), TAPE).notes
+    assert any("does not go with the lens' calibration" in note for note in notes)
+    right = judge(solve(make_drive(TRUTH), calibrated(1), CameraMount(), Dock(), TAPE, IMAGES), Dock(), TAPE)
+    assert not any("lens" in note for note in right.notes)
+    assert [value.name for value in right.lens] == ["fx", "fy", "cx", "cy"]

@@ -18,6 +18,7 @@ from seater_common.params import ParameterError, read_yaml
 Array = NDArray[np.float64]
 
 COEFFICIENTS = {"plumb_bob": (4, 5), "rational_polynomial": (4, 5, 8, 12, 14), "equidistant": (4,)}
+COVARIANCE = "parameter_covariance"
 # librealsense's names, whose formulas are not OpenCV's: without distortion only.
 STRAIGHT = ("none", "brown_conrady", "inverse_brown_conrady", "modified_brown_conrady")
 _OPENCV_NAMES = {  # of OpenCV's tutorials
@@ -41,6 +42,7 @@ class CameraModel:
     K: Array  # (3, 3), raw image
     R: Array  # (3, 3), rectification
     P: Array  # (3, 4), rectified image; all 0: not known
+    covariance: Array | None = None  # of (fx, fy, cx, cy [px], D), of the calibration; None: not known
     distorted: bool = field(init=False)  # whether the lens bends straight lines
 
     def __post_init__(self) -> None:
@@ -76,6 +78,7 @@ class CameraModel:
             K=K,
             R=_matrix(values, "rectification_matrix", (3, 3), prefix, np.eye(3)),
             P=_matrix(values, "projection_matrix", (3, 4), prefix, np.zeros((3, 4))),
+            covariance=_covariance(values, 4 + len(D), prefix),
         )
 
     def project(self, points: Array) -> Array:
@@ -117,7 +120,8 @@ class CameraModel:
         known."""
         if not (self.P[0, 0] > 0.0 and self.P[1, 1] > 0.0):
             raise ParameterError("projection_matrix: is missing or 0, rectified images need it")
-        return replace(self, distortion_model="plumb_bob", D=np.zeros(5), K=self.P[:, :3].copy(), R=np.eye(3))
+        K = self.P[:, :3].copy()
+        return replace(self, distortion_model="plumb_bob", D=np.zeros(5), K=K, R=np.eye(3), covariance=None)
 
     def ray(self, pixels: Array) -> Array:
         """(x / z, y / z) of pixels (n, 2), (n, 2); NaN where the lens model has no inverse (far outside the image)."""
@@ -190,6 +194,19 @@ def _matrix(
         raise ParameterError(f"{prefix}/{key}/data: is {data!r}, must be a list of numbers") from None
     if not np.all(np.isfinite(matrix)):
         raise ParameterError(f"{prefix}/{key}/data: is {data!r}, must be finite")
+    return matrix
+
+
+def _covariance(values: Mapping[str, Any], count: int, prefix: str) -> Array | None:
+    """seater's own key, which ROS' tools leave alone; None where it is missing."""
+    if COVARIANCE not in values:
+        return None
+    matrix = _matrix(values, COVARIANCE, (count, count), prefix)
+    sd = np.sqrt(np.maximum(np.diag(matrix), 0.0))
+    if not (np.all(sd > 0.0) and np.allclose(matrix, matrix.T, rtol=1e-6, atol=0.0)):
+        raise ParameterError(f"{prefix}/{COVARIANCE}: is no covariance (not symmetric, or a variance that is not > 0)")
+    if float(np.linalg.eigvalsh(matrix / np.outer(sd, sd)).min()) < -1e-6:
+        raise ParameterError(f"{prefix}/{COVARIANCE}: is no covariance (correlations that contradict each other)")
     return matrix
 
 

@@ -9,7 +9,7 @@ namespace seater_perception {
 namespace {
 
 constexpr int kUnknowns = 7, kRows = 8;  // pose and logarithm of the focal length; four corners
-constexpr double kCornerSigma = 0.15;    // [px] what photographs show of corners (docs/results/beyond_simulation.md)
+constexpr double kCornerSigma = 0.15;    // [px] what photographs show of corners (docs/results/photographs.md)
 constexpr double kTells = 0.03;          // standard deviation from which on a check says nothing
 // Calibrations are good to a percent or two; by this much a docked chair stands 1 to 2 cm off (1 m before the dock).
 constexpr double kUsual = 0.015, kClearly = 4.0;  // [standard deviations]

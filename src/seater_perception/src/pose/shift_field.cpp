@@ -8,7 +8,7 @@
 namespace seater_perception {
 namespace {
 
-// Chosen by the normalised errors of drawn kinds of cameras and shifts (docs/results/beyond_simulation.md).
+// Chosen by the normalised errors of drawn kinds of cameras and shifts (docs/results/photographs.md).
 constexpr double kMargin = 0.75;     // [standard deviations of the variance] an estimate that is too small is dangerous
 constexpr double kPriorModes = 1.0;  // the usual shift counts as if so many modes had shown it
 constexpr int kRounds = 3;

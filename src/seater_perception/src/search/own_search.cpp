@@ -11,7 +11,7 @@ namespace {
 // with perception_shadows.
 constexpr int kNarrowWindow = 7;  // [px]
 // White of half a pixel's width still parts a print from what is dark beside it. Without smoothing, noise has to stay
-// below the constant. Chosen with drawn prints (docs/results/beyond_simulation.md, Little white): windows of 3 to 7 px
+// below the constant. Chosen with drawn prints (docs/results/photographs.md, Little white): windows of 3 to 7 px
 // find as many within 10 %, smoothed ones two thirds.
 constexpr int kCloseWindow = 5;         // [px]
 constexpr double kCloseConstant = 7.0;  // [grey levels]

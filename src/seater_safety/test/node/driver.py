@@ -59,6 +59,7 @@ class Driver:
     def __init__(self) -> None:
         self.velocity: tuple[float, float] | None = None
         self.stamp_offset: float | None = 0.0  # None: no stamp
+        self.hold: bool | None = None  # what hold-to-run says all the time; None: nothing
         self.heartbeat = False  # the emergency stop says all the time that it is not pressed
         self.commands: list[tuple[float, float, float]] = []  # (monotonic time [s], v, omega)
         self.enabled: list[tuple[float, bool]] = []
@@ -66,6 +67,7 @@ class Driver:
         self._request = rospy.Publisher("velocity_request", TwistStamped, queue_size=1, tcp_nodelay=True)
         self._user = rospy.Publisher("user_cmd_vel", Twist, queue_size=1, tcp_nodelay=True)
         self._stop = rospy.Publisher("emergency_stop", Bool, queue_size=1, tcp_nodelay=True)
+        self._hold = rospy.Publisher("hold_to_run", Bool, queue_size=1, tcp_nodelay=True)
         self._limit = rospy.Publisher("speed_limit", SpeedLimit, queue_size=1)
         rospy.Subscriber("cmd_vel", Twist, self._on_command, queue_size=1000, tcp_nodelay=True)
         rospy.Subscriber("motor_enable", Bool, lambda m: self.enabled.append((time.monotonic(), m.data)), queue_size=99)
@@ -79,6 +81,8 @@ class Driver:
         while True:
             if self.velocity is not None:
                 self._request.publish(self._message(*self.velocity))
+            if self.hold is not None:
+                self._hold.publish(self.hold)
             if self.heartbeat:
                 self._stop.publish(False)
             time.sleep(PERIOD)
@@ -93,7 +97,7 @@ class Driver:
     def connect(self) -> None:
         """Until a gate listens and is heard."""
         self.commands.clear()
-        links = (self._request, self._user, self._stop, self._limit)
+        links = (self._request, self._user, self._stop, self._hold, self._limit)
         wait_until(lambda: all(link.get_num_connections() > 0 for link in links), "the gate to listen")
         wait_until(lambda: bool(self.commands), "the gate to send")
 
@@ -116,6 +120,12 @@ class Driver:
         message = Twist()
         message.linear.x = v
         self._user.publish(message)
+
+    def let_go(self, silent: bool) -> None:
+        """Of hold-to-run: said at once, or nothing is said any more."""
+        self.hold = None
+        if not silent:
+            self._hold.publish(False)
 
     def limit_speed(self, v_max: float) -> None:
         """The largest speed where the chair is [m/s]."""

@@ -99,7 +99,7 @@ class Installation:
         for role, path in new.items():
             written, *old = _replace(path.read_text(), self.file(role))
             lines.append(f"{written} is new" + (f"; the one before is kept as {old[0].name}" if old else ""))
-        if CAMERA in new and self._forget("chair", MOUNT):
+        if CAMERA in new and "chair" not in new and self._forget("chair", MOUNT):
             lines.append(f"{self.file('chair')} was calibrated with another lens: calibrate the mount again")
         return lines
 

@@ -42,7 +42,7 @@ class PlausibilityParameters:
         5.0, "", "standard deviations from which on such an error is certain", low=1.0, high=100.0
     )
     # Of 25 chairs without a fault, 6 dockings each, the largest is 0.047; the first docking of each has 0.024 (median),
-    # since it shows little of the mount (independent_chair --series 6, docs/results/beyond_simulation.md).
+    # since it shows little of the mount (independent_chair --series 6, docs/results/wrong_installations.md).
     final_unsure: float = param(
         0.06, "m", "standard deviation of the final error beyond which only a contact is a success", low=0.005, high=1.0
     )

@@ -9,7 +9,7 @@
 namespace seater_perception {
 namespace {
 
-// What is chosen here was chosen with drawn prints (docs/results/beyond_simulation.md, "Another maker's cameras"): the
+// What is chosen here was chosen with drawn prints (docs/results/photographs.md, "Another maker's cameras"): the
 // false codes that looser limits let through had spots of 0.85 cells, no power law and little more brightness.
 constexpr double kBrighter = 0.2;  // of the contrast over the quiet zone's median: sharpened edges have 0.1 to 0.2
 constexpr std::size_t kFewestBright = 3;  // samples

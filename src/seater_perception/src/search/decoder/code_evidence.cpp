@@ -6,7 +6,7 @@
 namespace seater_perception {
 namespace {
 
-// The table "Evidence of a code" in docs/results/perception.md; perception_range (false detections, far end) notices.
+// The table "Evidence of a code" in docs/results/false_finds.md; perception_range (false detections, far end) notices.
 
 // Above it, a bit is doubtful, and the code has to prove a decade (kEvidencePerDecade) more. Marks of other
 // dictionaries have one such bit at least; of the markers of photographs with so little evidence, none has.
@@ -28,7 +28,7 @@ constexpr int kEnoughBits = 25;
 // Edges of what only resembles a code lie beside their places, and the fit takes that for blur. By the spread of grey
 // levels on them, where the image has room to show it (cells from 4 to 5 px on) and the fit is blurred (from 0.12 to
 // 0.2 cells on; a sharp one has lost its evidence already), and by how far that is in cells (3 to 4 px: of less, noise
-// decides). The table "Edges of a code" in docs/results/perception.md.
+// decides). The table "Edges of a code" in docs/results/false_finds.md.
 constexpr double kSpread = 0.17, kCostOfSpread = 150.0, kRoom = 4.0;              // [contrast], [1/contrast], [px]
 constexpr double kSharp = 0.12, kBlurred = 0.2;                                   // [cells]
 constexpr double kDisplaced = 0.13, kCostOfDisplacement = 20.0, kSomeRoom = 3.0;  // [cells], [1/cell], [px]

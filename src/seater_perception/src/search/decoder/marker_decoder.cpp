@@ -20,7 +20,7 @@ constexpr int kGlareLevel = 4;          // template blur level for that
 constexpr double kClearlyBetter = 0.2;  // of correlation: a code so much less likely than the best is not
 constexpr double kWorthFitting = 0.5;   // correlation before the fit
 constexpr double kPerhapsCode = 0.7;    // part explained by a rough fit
-// What true markers and images without markers reach: the table "Evidence of a code" in docs/results/perception.md, and
+// What true markers and images without markers reach: the table "Evidence of a code" in docs/results/false_finds.md, and
 // perception_range (false detections, far end).
 constexpr double kSmallestMargin = 0.045;  // of correlation, over the next best code
 constexpr double kLargestBitError = 0.9;   // of what turns a bit round: at 1 it would read as its opposite

@@ -12,7 +12,7 @@ namespace seater_perception {
 namespace {
 
 // Half a pixel inside a blurred step (sd 0.8 px), a 5 px window's mean is 0.16 of the step lighter; half of that is
-// asked for. Chosen with drawn grey prints (docs/results/beyond_simulation.md, Another maker's cameras); with 0.12 a
+// asked for. Chosen with drawn grey prints (docs/results/photographs.md, Another maker's cameras); with 0.12 a
 // sixth of them is lost.
 constexpr double kPartOfStep = 0.08;
 constexpr double kLeastConstant = 3.0;  // [grey levels] as much as noise of sd 1 reaches

@@ -2,7 +2,8 @@
 
 Drive by hand: straight towards the dock and back, and on the spot 25 deg to both sides, near and far, twice
 (docs/how-to/calibrate_the_mount.md). Record it by `roslaunch seater_bringup record.launch bag:=FILE`. Written
-are copies of the chair's and the dock's file, a picture and all values as JSON; the files given stay as they are.
+are copies of the chair's and the dock's file, of the camera's where that says how certain it is, a picture and all
+values as JSON; the files given stay as they are.
 Exit status: 0 done, 1 a file could not be written, 2 wrong input, 3 the drive does not constrain the mount.
 """
 
@@ -25,10 +26,10 @@ from seater_tools.adjust.robust import NoMinimumError
 from seater_tools.correct.known import bar_sd
 from seater_tools.drive.bag import Topics, read_bag
 from seater_tools.drive.drive import Drive, DriveError
-from seater_tools.mount.copies import chair_text, dock_text
+from seater_tools.mount.copies import camera_text, chair_text, dock_text
 from seater_tools.mount.picture import draw
 from seater_tools.mount.prior import Lengths
-from seater_tools.mount.result import judge
+from seater_tools.mount.result import camera_of, judge
 from seater_tools.mount.solve import solve
 from seater_tools.mount.table import as_json, describe
 from seater_tools.trial.seen import simulate_drive
@@ -90,18 +91,26 @@ def run(options: argparse.Namespace, config: Path) -> int:
     }
     load(Chair, yaml.safe_load(texts[options.chair.name]), options.chair.name)  # all values are in their ranges
     load(Dock, yaml.safe_load(texts[options.dock.name]), options.dock.name)
+    roles = ["chair", "dock"]
+    if camera.covariance is not None and options.camera is not None:
+        name = str(read_yaml(options.camera).get("camera_name", "camera"))
+        texts[options.camera.name] = camera_text(options.camera.read_text(), camera_of(solution), name, note)
+        roles.append("camera")
     files = {name: text.encode() for name, text in texts.items()}
     files |= {"mount.png": draw(solution, calibration), "mount.json": as_json(calibration)}
     _write(files, options)
-    installation.conclude(options, {role: options.results / getattr(options, role).name for role in ("chair", "dock")})
+    installation.conclude(options, {role: options.results / getattr(options, role).name for role in roles})
+    if "camera" in roles:
+        print(f"Give {options.camera.name} to the camera's driver, too: the mount goes with its lens.")
     return 0
 
 
 def _write(files: dict[str, bytes], options: argparse.Namespace) -> None:
     """All or none, as far as names go: an earlier result stops it before the first is written."""
     targets = {options.results / name: content for name, content in files.items()}
+    given = {file.resolve() for file in (options.chair, options.dock, options.camera) if file is not None}
     for target in targets:
-        if target.resolve() in (options.chair.resolve(), options.dock.resolve()):
+        if target.resolve() in given:
             raise ParameterError(f"--results: {options.results} holds {target.name} itself; choose another folder")
         if target.exists() and not options.force:
             raise FileExistsError(f"{target} exists already; --force overwrites it")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -41,7 +41,8 @@ class LensFit:
 
     @property
     def camera(self) -> CameraModel:
-        return camera_of(self.unknowns, self.model, self.size)
+        """With its covariance."""
+        return replace(camera_of(self.unknowns, self.model, self.size), covariance=self.covariance)
 
     @property
     def rms(self) -> float:

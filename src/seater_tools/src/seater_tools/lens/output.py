@@ -10,8 +10,8 @@ import matplotlib
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_tools.lens.file import calibration_text, with_projection
 from seater_tools.lens.find import View
-from seater_tools.lens.fit import LensFit
 from seater_tools.lens.result import LensResult
 
 matplotlib.use("Agg")
@@ -21,34 +21,15 @@ Array = NDArray[np.float64]
 
 
 def camera_yaml(result: LensResult, name: str, note: str) -> str:
-    """As camera_calibration writes it; the first lines say where it comes from and how certain it is."""
+    """The first lines say where it comes from and how certain it is."""
     fit = result.fit
-    K, P = fit.camera.K, projection(fit)
     focal = 100 * float(np.max(result.sds[:2] / fit.unknowns[:2]))
-    lines = [
-        f"# {note}",
-        f"# {len(fit.residuals)} views, corners off by {fit.rms:.3f} px (held out: {result.held_out:.3f})",
-        f"# Focal length +- {focal:.3f} %, directions +- {result.direction_sd:.2f} px (1 sd, worst in the image)",
-        f"image_width: {fit.size[0]}",
-        f"image_height: {fit.size[1]}",
-        f"camera_name: {name}",
-        *_matrix("camera_matrix", K),
-        f"distortion_model: {fit.model}",
-        *_matrix("distortion_coefficients", fit.unknowns[None, 4:]),
-        *_matrix("rectification_matrix", np.eye(3)),
-        *_matrix("projection_matrix", P),
+    comments = [
+        note,
+        f"{len(fit.residuals)} views, corners off by {fit.rms:.3f} px (held out: {result.held_out:.3f})",
+        f"Focal length +- {focal:.3f} %, directions +- {result.direction_sd:.2f} px (1 sd, worst in the image)",
     ]
-    return "\n".join(lines) + "\n"
-
-
-def projection(fit: LensFit) -> Array:
-    """(3, 4) P of the rectified image without black edges."""
-    K, D = fit.camera.K, fit.unknowns[4:]
-    if fit.model == "equidistant":
-        new = cv2.fisheye.estimateNewCameraMatrixForUndistortRectify(K, D, fit.size, np.eye(3), balance=0.0)
-    else:
-        new, _ = cv2.getOptimalNewCameraMatrix(K, D, fit.size, 0.0)
-    return np.column_stack([new, np.zeros(3)])
+    return calibration_text(with_projection(fit.camera), name, comments)
 
 
 def draw(result: LensResult, views: Sequence[View]) -> bytes:
@@ -70,8 +51,3 @@ def draw(result: LensResult, views: Sequence[View]) -> bytes:
     figure.savefig(buffer, format="png", dpi=110)
     plt.close(figure)
     return buffer.getvalue()
-
-
-def _matrix(name: str, values: Array) -> list[str]:
-    data = ", ".join(f"{value:.9g}" for value in np.ravel(values))
-    return [f"{name}:", f"  rows: {values.shape[0]}", f"  cols: {values.shape[1]}", f"  data: [{data}]"]

@@ -1,16 +1,21 @@
-"""The texts of the new chair.yaml and dock file; comments and everything else stay."""
+"""The texts of the new chair.yaml, dock and camera file; comments and everything else stay."""
 
 from __future__ import annotations
 
+import itertools
+
+from seater_common.camera_model import CameraModel
 from seater_common.files.installation import MOUNT
 from seater_common.files.scalars import with_note, with_values
 from seater_common.geometry import Dock
 from seater_tools.correct.sizes import CORRECTED
 from seater_tools.correct.wall import wall_values
+from seater_tools.lens.file import calibration_text, with_projection
 from seater_tools.mount.result import Calibration, Value
 from seater_tools.teach.dock import without_teaching
 
 PLACED = "# Markers calibrated: "
+REFINED = "With the mount: "
 
 
 def chair_text(text: str, name: str, calibration: Calibration, note: str) -> str:
@@ -42,6 +47,13 @@ def dock_text(text: str, name: str, dock: Dock, calibration: Calibration, note: 
         first, _, rest = text.partition("\n")
     edited = with_note(without_teaching(with_values(rest, values, name)), PLACED, note)
     return f"{first}\n{edited}"
+
+
+def camera_text(text: str, camera: CameraModel, name: str, note: str) -> str:
+    """`camera`: as the drive has it. `text`: of the file before, whose first lines, that say how it was made, stay."""
+    comments = [line[1:].strip() for line in itertools.takewhile(lambda line: line.startswith("#"), text.splitlines())]
+    comments = [comment for comment in comments if not comment.startswith(REFINED)]
+    return calibration_text(with_projection(camera), name, [*comments, f"{REFINED}{note}"])
 
 
 def _of(calibration: Calibration, marker: int) -> dict[str, Value]:

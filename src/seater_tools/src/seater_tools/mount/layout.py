@@ -2,6 +2,7 @@
 
 mount     6  x, y, z [m], roll, pitch, yaw [rad] of the camera's body in base_link
 odometry  6  scale [-], heading scale [-], heading drift [rad/m], way per turn [m/rad], side creep [-], delay [s]
+lens      k  how far the lens is from its calibration, in standard deviations (lens.py); 0 where that is not known
 markers   7  each: x, y, z [m] in the dock frame, yaw of its normal, tilt, roll [rad], log of its size over the file's
 poses     3  each image: x, y [m], heading [rad] of base_link in the dock frame
 """
@@ -21,19 +22,25 @@ Array = NDArray[np.float64]
 MOUNT = ("x", "y", "z", "roll", "pitch", "yaw")
 ODOMETRY = ("scale", "heading_scale", "heading_drift", "way_per_turn", "side_creep", "delay")
 MARKER = ("x", "y", "z", "yaw", "tilt", "roll", "log_size")
-FIRST_MARKER = len(MOUNT) + len(ODOMETRY)
+FIRST_LENS = len(MOUNT) + len(ODOMETRY)
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Where what stands in the vector, for these markers (ids, in the file's order) and so many images."""
+    """Where what stands in the vector, for these markers (ids, in the file's order), so many images and unknowns of the
+    lens."""
 
     ids: tuple[int, ...]
     images: int
+    lens: int = 0
+
+    @property
+    def first_marker(self) -> int:
+        return FIRST_LENS + self.lens
 
     @property
     def first_pose(self) -> int:
-        return FIRST_MARKER + len(MARKER) * len(self.ids)
+        return self.first_marker + len(MARKER) * len(self.ids)
 
     @property
     def size(self) -> int:
@@ -45,11 +52,15 @@ class Layout:
 
     def odometry(self, state: Array) -> Array:
         """(6,) view."""
-        return state[len(MOUNT) : FIRST_MARKER]
+        return state[len(MOUNT) : FIRST_LENS]
+
+    def lens_off(self, state: Array) -> Array:
+        """(lens,) view."""
+        return state[FIRST_LENS : self.first_marker]
 
     def markers(self, state: Array) -> Array:
         """(markers, 7) view."""
-        return state[FIRST_MARKER : self.first_pose].reshape(-1, len(MARKER))
+        return state[self.first_marker : self.first_pose].reshape(-1, len(MARKER))
 
     def poses(self, state: Array) -> Array:
         """(images, 3) view."""

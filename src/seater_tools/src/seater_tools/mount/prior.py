@@ -69,14 +69,15 @@ class Prior:
         self._whiten_sizes = np.linalg.inv(np.linalg.cholesky(covariance))
 
     def residuals(self, state: Array) -> Array:
-        """(12 + 7 markers + 4 + distances,)."""
+        """(12 + lens + 7 markers + 4 + distances,)."""
         layout = self._layout
         moved = state - self._start
         odometry = layout.odometry(state).copy()
         # Wheels whose radii differ by d make both: drift = d / track, way per turn = -d track / 4.
         odometry[3] += 0.25 * self._track**2 * odometry[2]
         markers = layout.markers(moved)
-        white = [layout.mount(moved) / MOUNT_SD, odometry / ODOMETRY_SD, (markers[:, :3] / PLACE_SD).ravel()]
+        white = [layout.mount(moved) / MOUNT_SD, odometry / ODOMETRY_SD, layout.lens_off(state)]
+        white.append((markers[:, :3] / PLACE_SD).ravel())
         white += [markers[:, 3] / YAW_SD, (markers[:, 4:6] / UPRIGHT_SD).ravel()]
         white.append(self._whiten_sizes @ (markers[:, 6] - self._log_size))
         held = moved_as_one(layout.markers(self._start)[:, :3], markers[:, :4]) / HELD
@@ -86,4 +87,4 @@ class Prior:
 
     @property
     def count(self) -> int:
-        return 12 + len(MARKER) * len(self._layout.ids) + 4 + len(self._distances)
+        return 12 + self._layout.lens + len(MARKER) * len(self._layout.ids) + 4 + len(self._distances)

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, lil_matrix
 
-from seater_common.camera_model import CameraModel
 from seater_common.geometry import CameraMount, Dock
 from seater_tools.drive.drive import Drive
-from seater_tools.mount.layout import FIRST_MARKER, MARKER, MOUNT, Layout, marker_rotations
+from seater_tools.mount.layout import FIRST_LENS, MARKER, MOUNT, Layout, marker_rotations
+from seater_tools.mount.lens import Lens
 from seater_tools.mount.path import Path, steps
 from seater_tools.mount.prior import Prior
 
@@ -29,7 +29,7 @@ class Problem:
     """`factors`: (4,) on the standard deviations of GROUPS."""
 
     drive: Drive
-    camera: CameraModel
+    lens: Lens
     dock: Dock
     layout: Layout
     path: Path
@@ -52,7 +52,8 @@ class Problem:
         T = CameraMount(*layout.mount(state)).T_base_optical()
         points = (in_base - T[:3, 3]) @ T[:3, :3]
         points[..., 2] = np.maximum(points[..., 2], NEAREST)
-        return self.camera.project(points.reshape(-1, 3)).reshape(-1, 4, 2)
+        camera = self.lens.at(layout.lens_off(state))
+        return camera.project(points.reshape(-1, 3)).reshape(-1, 4, 2)
 
     def corner_residuals(self, state: Array) -> Array:
         """(n, 8), white."""
@@ -85,10 +86,12 @@ class Problem:
         for n, (image, marker) in enumerate(zip(drive.image, self.marker, strict=True)):
             mine = slice(8 * n, 8 * n + 8)
             S[mine, : len(MOUNT)] = 1
-            S[mine, FIRST_MARKER + len(MARKER) * marker : FIRST_MARKER + len(MARKER) * (marker + 1)] = 1
+            S[mine, FIRST_LENS : layout.first_marker] = 1
+            first = layout.first_marker + len(MARKER) * marker
+            S[mine, first : first + len(MARKER)] = 1
             S[mine, layout.first_pose + 3 * image : layout.first_pose + 3 * image + 3] = 1
         for group in self.groups()[1:]:
-            S[group, len(MOUNT) : FIRST_MARKER] = 1
+            S[group, len(MOUNT) : FIRST_LENS] = 1
             for k in range(layout.images - 1):
                 S[group.start + k, layout.first_pose + 3 * k : layout.first_pose + 3 * k + 6] = 1
         S[rows:, : layout.first_pose] = 1

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_common.camera_model import CameraModel
 from seater_common.geometry import Dock
 from seater_common.se2 import wrap_angle
-from seater_tools.mount.layout import MARKER, MOUNT, ODOMETRY
+from seater_tools.mount.layout import FIRST_LENS, MARKER, MOUNT, ODOMETRY
 from seater_tools.mount.prior import Lengths
 from seater_tools.mount.solve import Solution
 
@@ -22,7 +23,8 @@ Numbers = Sequence[float] | Array
 MOUNT_LIMITS = {"x": 0.010, "y": 0.010, "z": 0.010, "roll": 0.005, "pitch": 0.005, "yaw": 0.005}
 MARKER_LIMITS = {"x": 0.005, "y": 0.005, "z": 0.005, "yaw": 0.020}  # above: the marker keeps the file's place
 PRINTED = ("x", "y", "z", "yaw", "size")  # what a dock file says of a marker
-UNITS = {"x": "m", "y": "m", "z": "m", "size": "m"}
+UNITS = {"x": "m", "y": "m", "z": "m", "size": "m", "fx": "px", "fy": "px", "cx": "px", "cy": "px"}
+LENS_OFF = 4.0  # standard deviations of chi-square by which a drive contradicts the calibration of the lens
 LEAN = math.radians(1.0)  # of a print: perception takes it for upright
 # Movement that constrains what is not constrained.
 MOVEMENTS = (
@@ -51,11 +53,13 @@ class Value:
 
 @dataclass(frozen=True)
 class Calibration:
-    """`missing`: movements without which the mount is not constrained; then nothing may be written."""
+    """`missing`: movements without which the mount is not constrained; then nothing may be written. `lens`: of the
+    camera, fx, fy, cx, cy, where its calibration says how certain they are; else empty."""
 
     mount: list[Value]
     markers: dict[int, list[Value]]
     odometry: list[Value]
+    lens: list[Value]
     scale_sd: float  # of all lengths together
     images: int
     corner_rms: float  # [px] of what is left over
@@ -77,12 +81,38 @@ def judge(solution: Solution, dock: Dock, lengths: Lengths) -> Calibration:
         mount=mount,
         markers=markers,
         odometry=odometry,
+        lens=_lens(solution),
         scale_sd=scale_sd,
         images=layout.images,
         corner_rms=float(np.sqrt(np.mean(np.median(np.sum(off**2, axis=2), axis=1)) / 2.0)),
         missing=_missing(mount, len(layout.ids)),
-        notes=[*_held(), *_scale(lengths, scale_sd), *_leaning(rows), *_kept(markers)],
+        notes=[*_held(), *_scale(lengths, scale_sd), *_contradicts(solution), *_leaning(rows), *_kept(markers)],
     )
+
+
+def camera_of(solution: Solution) -> CameraModel:
+    """The lens as the drive has it, with its covariance; the calibration itself where that says none."""
+    layout, lens = solution.problem.layout, solution.problem.lens
+    mine = slice(FIRST_LENS, layout.first_marker)
+    return lens.found(layout.lens_off(solution.state), solution.covariance[mine, mine]) if lens.count else lens.camera
+
+
+def _lens(solution: Solution) -> list[Value]:
+    before, after = solution.problem.lens.camera, camera_of(solution)
+    if after.covariance is None:
+        return []
+    file, found = ([c.K[0, 0], c.K[1, 1], c.K[0, 2], c.K[1, 2]] for c in (before, after))
+    return _values(("fx", "fy", "cx", "cy"), file, found, np.sqrt(np.diag(after.covariance))[:4])
+
+
+def _contradicts(solution: Solution) -> list[str]:
+    off = solution.problem.layout.lens_off(solution.state)
+    if len(off) == 0 or float(off @ off) < len(off) + LENS_OFF * math.sqrt(2.0 * len(off)):
+        return []
+    return [
+        "The drive does not go with the lens' calibration: was the camera refocused, or is this another camera or "
+        "resolution? ./seater calibrate camera."
+    ]
 
 
 def _marker(id: int, dock: Dock, found: tuple[Array, Array] | None) -> list[Value]:

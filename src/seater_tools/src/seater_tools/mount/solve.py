@@ -21,6 +21,7 @@ from seater_tools.adjust.robust import Minimum, minimise
 from seater_tools.drive.drive import Drive
 from seater_tools.mount.begin import first_poses, known_part, spread_images
 from seater_tools.mount.layout import Layout
+from seater_tools.mount.lens import Lens
 from seater_tools.mount.path import Path
 from seater_tools.mount.prior import Lengths, Prior
 from seater_tools.mount.problem import Problem, whitening, without
@@ -46,7 +47,7 @@ class Solution:
 def solve(
     drive: Drive, camera: CameraModel, mount: CameraMount, dock: Dock, lengths: Lengths, most_images: int = MOST_IMAGES
 ) -> Solution:
-    """`mount`, `dock`: what the files say.
+    """`mount`, `dock`: what the files say. The lens is found, too, as far as the camera's covariance allows.
 
     Raises:
         DriveError: the drive shows too little.
@@ -54,12 +55,13 @@ def solve(
     """
     used = spread_images(known_part(drive, dock), most_images)
     ids = tuple(marker.id for marker in dock.markers if marker.id in used.ids)
-    layout = Layout(ids, len(used.stamps))
+    lens = Lens.of(camera)
+    layout = Layout(ids, len(used.stamps), lens.count)
     start = layout.start(mount, dock, first_poses(used, camera, mount, dock))
     row = {id: i for i, id in enumerate(ids)}
     problem = Problem(
         drive=used,
-        camera=camera,
+        lens=lens,
         dock=dock,
         layout=layout,
         path=Path(used),

@@ -8,7 +8,7 @@ import math
 
 from seater_tools.mount.result import Calibration, Value
 
-_PRINTED = {"m": ("mm", 1000.0, 1), "rad": ("deg", math.degrees(1.0), 3)}  # unit, factor, digits
+_PRINTED = {"m": ("mm", 1000.0, 1), "rad": ("deg", math.degrees(1.0), 3), "px": ("px", 1.0, 2)}  # unit, factor, digits
 
 
 def describe(calibration: Calibration) -> str:
@@ -17,6 +17,7 @@ def describe(calibration: Calibration) -> str:
     lines += [_line(value) for value in calibration.mount]
     for id, values in calibration.markers.items():
         lines += [f"marker {id}", *(_line(value) for value in values)]
+    lines += ["lens", *(_line(value) for value in calibration.lens)] if calibration.lens else []
     lines.append("odometry against the images")
     lines += [f"  {v.name:<14} {v.value:9.4f} +- {v.sd:.4f}" for v in calibration.odometry]
     return "\n".join([*lines, "", *calibration.notes])

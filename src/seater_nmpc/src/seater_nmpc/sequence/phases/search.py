@@ -12,8 +12,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_common.geometry import Chair, Dock, polygon_distance
+from seater_common.geometry import Chair, Dock
 from seater_common.se2 import wrap_angle
+from seater_nmpc.sequence.phases.clearance import keeps_clear
 
 Array = NDArray[np.float64]
 Speeds = tuple[float, float]
@@ -102,7 +103,7 @@ class Search:
             away = math.dist(self._rest[:2], place)
             off = wrap_angle(self._bearing(place) - float(self._pose[2]))
             ahead = self._pose + min(away, _NEXT) * np.array([math.cos(self._pose[2]), math.sin(self._pose[2]), 0.0])
-            if away <= _ARRIVED or abs(off) > 0.5 * math.pi or not self._clear(ahead):
+            if away <= _ARRIVED or abs(off) > 0.5 * math.pi or not self._clear(ahead[None]):
                 return
             v = min(_SPEED, math.sqrt(2.0 * _DECELERATION * away)) * max(0.0, math.cos(off))
             yield v, min(max(_STEERING * off, -_TURN), _TURN)
@@ -111,21 +112,13 @@ class Search:
         return math.atan2(float(place[1] - self._pose[1]), float(place[0] - self._pose[0]))
 
     def _turn_clear(self, turn: float) -> bool:
-        poses = (self._pose + [0.0, 0.0, turn * fraction] for fraction in np.linspace(0.0, 1.0, _SWEEP_STEPS))
-        return all(self._clear(pose) for pose in poses)
+        return self._clear(self._pose + np.linspace(0.0, 1.0, _SWEEP_STEPS)[:, None] * [0.0, 0.0, turn])
 
     def _way_clear(self, place: Array) -> bool:
-        heading = self._bearing(place)
-        return all(
-            self._clear(np.array([*(self._pose[:2] + fraction * (place - self._pose[:2])), heading]))
-            for fraction in np.linspace(0.1, 1.0, _SWEEP_STEPS)
-        )
+        poses = np.full((_SWEEP_STEPS, 3), self._bearing(place))
+        poses[:, :2] = self._pose[:2] + np.linspace(0.1, 1.0, _SWEEP_STEPS)[:, None] * (place - self._pose[:2])
+        return self._clear(poses)
 
-    def _clear(self, pose: Array) -> bool:
-        corners, here = self._chair.corners_at(pose), self._chair.corners_at(self._pose)
-        for k, area in enumerate(self._areas):
-            margin = self._wall_margin if k < len(self._walls) else _MARGIN
-            # Where it stands too near already, what does not bring it nearer is allowed.
-            if polygon_distance(corners, area) < min(margin, polygon_distance(here, area) - 1e-3):
-                return False
-        return True
+    def _clear(self, poses: Array) -> bool:
+        margins = [self._wall_margin if k < len(self._walls) else _MARGIN for k in range(len(self._areas))]
+        return keeps_clear(self._chair, self._pose, poses, self._areas, margins)

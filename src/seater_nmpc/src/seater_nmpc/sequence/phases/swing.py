@@ -12,9 +12,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_common.geometry import Chair, Dock, polygon_distance
+from seater_common.geometry import Chair, Dock
 from seater_common.se2 import compose, wrap_angle
 from seater_common.sight import Sight
+from seater_nmpc.sequence.phases.clearance import keeps_clear
 
 Array = NDArray[np.float64]
 Speeds = tuple[float, float]
@@ -26,6 +27,7 @@ _DECELERATION, _TURN_DECELERATION = 0.2, 0.4  # [m/s^2, rad/s^2] that turns and 
 _ARRIVED, _TURNED = 0.02, 0.03  # [m, rad]
 _RESTS = (0.01, 0.02)  # [m, rad] on which it still rolls, as good as at rest
 _NEXT_TURN = 0.5  # [rad] that has to be clear ahead, whatever has come into the way since
+_PARTS = np.array([[0.0, 0.0, part / 3.0] for part in (1, 2, 3)])  # of it, that are looked at
 _MARGIN = 0.1  # [m] that the footprint keeps from walls and obstacles
 _LONGEST = 12.0  # [s] for a turn, a third of it for a way: a chair that its motors do not turn goes on without it
 _STEPS = 12
@@ -50,10 +52,8 @@ class Swing:
     def has_room(self, pose: Array, obstacles: list[Array]) -> bool:
         """Whether there is room for its turns here; what comes into the way later ends a turn or drive."""
         self._pose, self._areas, widest = pose, [*self._walls, *obstacles], _ANGLES[0]
-        towards = self._towards(pose)
-        return all(
-            self._clear(np.array([*pose[:2], towards + aside])) for aside in np.linspace(-widest, widest, _STEPS)
-        )
+        aside = np.linspace(-widest, widest, _STEPS)[:, None]
+        return self._clear([*pose[:2], self._towards(pose)] + aside * [0.0, 0.0, 1.0])
 
     def _swing(self) -> Iterator[Speeds]:
         first = math.copysign(1.0, wrap_angle(float(self._pose[2]) - self._towards(self._pose)))
@@ -71,7 +71,7 @@ class Swing:
     def _straight(self) -> Iterator[Speeds]:
         start, until = self._pose[:2], self._now + _LONGEST / 3.0
         while (left := _AHEAD - math.dist(self._rest[:2], start)) > _ARRIVED and self._clear(
-            compose(self._pose, [_AHEAD, 0.0, 0.0])
+            compose(self._pose, [_AHEAD, 0.0, 0.0])[None]
         ):
             if self._now > until:
                 return
@@ -83,7 +83,7 @@ class Swing:
         until = self._now + _LONGEST
         while abs(left := wrap_angle(heading - float(self._rest[2]))) > _TURNED and self._now < until:
             ahead = math.copysign(min(abs(left), _NEXT_TURN), left)
-            if not all(self._clear(self._pose + [0.0, 0.0, part * ahead]) for part in (1 / 3, 2 / 3, 1.0)):
+            if not self._clear(self._pose + ahead * _PARTS):
                 return
             yield 0.0, math.copysign(min(_TURN, math.sqrt(2.0 * _TURN_DECELERATION * abs(left))), left)
         while abs(wrap_angle(float(self._rest[2] - self._pose[2]))) > _RESTS[1] and self._now < until:
@@ -93,8 +93,5 @@ class Swing:
         """Heading at which the camera looks at the middle of the markers."""
         return math.atan2(self._middle[1] - pose[1], self._middle[0] - pose[0]) - self._sight.mount.yaw
 
-    def _clear(self, pose: Array) -> bool:
-        corners, here = self._chair.corners_at(pose), self._chair.corners_at(self._pose)
-        return not any(
-            polygon_distance(corners, area) < min(_MARGIN, polygon_distance(here, area) - 1e-3) for area in self._areas
-        )
+    def _clear(self, poses: Array) -> bool:
+        return keeps_clear(self._chair, self._pose, poses, self._areas, _MARGIN)
