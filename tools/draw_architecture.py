@@ -77,8 +77,8 @@ class House:
 HOUSES = (
     House("seater_perception", "image to dock pose", 0.0, 0.0, 8.2),
     House("seater_nmpc", "dock pose to command", 11.0, 0.0, 7.6),
-    House("seater_sim", "simulated chair, camera, world", 0.0, -11.7, 8.2),
-    House("seater_eval", "campaigns, benchmarks, reports", 11.0, -12.6, 7.6),
+    House("seater_sim", "simulated chair, camera, world", 0.0, -13.3, 8.2),
+    House("seater_eval", "campaigns, benchmarks, reports", 11.0, -14.3, 7.6),
 )
 CAPTIONS = {
     "seater_perception": {
@@ -92,9 +92,9 @@ CAPTIONS = {
         "ros": "docking node", "sequence": "goal to result", "sequence/phases": "what it does in each",
         "sequence/goal": "results, time-outs",
         "control": "one command a cycle", "plan": "paths",
-        "observe": "where dock and chair are", "solve": "solvers", "ocp": "model, cost",
+        "observe": "dock and chair", "observe/odometry": "wheels", "solve": "solvers", "ocp": "model, cost",
         "ocp/constraints": "walls, view, ...", "controller": "for other programs", "parameters": "what a user tunes",
-        "programme": "NLP in stages",
+        "programme": "NLP in stages", "plausibility": "do all agree?", "plausibility/installation": "camera mount",
     },
     "seater_sim": {
         "ros": "the node", "loop": "steps in lock-step", "camera": "rendered images", "chair": "plant, odometry",
@@ -217,8 +217,8 @@ def draw_way(
 def draw_surroundings(axes: Axes, perception: Place, docking: Place, sim: Place) -> None:
     """Camera, wheels, safety gate, motors, and how the way goes on between the houses; each given by its room `ros`."""
     camera, wheels = Place(perception.x, 1.2, 2.0), Place(docking.x, 1.2, 2.0)
-    gate, motors = Place(docking.x - 0.2, -10.3, 3.4), Place(9.5, -10.3, 1.7)
-    user = Place(gate.x, -11.6, 4.0)
+    gate, motors = Place(docking.x - 0.2, -12.5, 3.4), Place(9.5, -12.5, 1.7)
+    user = Place(gate.x, -13.6, 4.0)
     for place, title, caption in (
         (camera, "camera", ""), (wheels, "wheels", ""), (motors, "motors", ""),
         (gate, "seater_safety", "limits, time-outs, priority"), (user, "joystick, emergency stop", ""),
@@ -245,10 +245,10 @@ def draw_surroundings(axes: Axes, perception: Place, docking: Place, sim: Place)
 
 def draw(packages: dict[str, Arrows], output: Path) -> None:
     matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "seater", "font.family": "sans-serif"})
-    figure, axes = plt.subplots(figsize=(13.0, 13.0))
+    figure, axes = plt.subplots(figsize=(13.0, 14.0))
     rooms = {house.package: draw_house(axes, house, packages[house.package]) for house in HOUSES}
     draw_surroundings(axes, *(rooms[package]["ros"] for package in ("seater_perception", "seater_nmpc", "seater_sim")))
-    base = Place(9.3, -18.2, 18.9)
+    base = Place(9.3, -19.8, 18.9)
     draw_box(
         axes, base, "seater_common: planar poses, typed parameters, chair, dock     seater_msgs: messages, actions", ""
     )

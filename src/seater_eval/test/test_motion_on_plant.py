@@ -9,7 +9,7 @@ import numpy as np
 from seater_eval.run.setup_files import Setup, load_setup
 from seater_nmpc.drive.prediction import CommandHistory
 from seater_nmpc.observe.motion import MotionObserver
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import Prediction
 from seater_sim.chair.odometry import Odometry as WheelOdometry
 from seater_sim.chair.plant import KinematicPlant

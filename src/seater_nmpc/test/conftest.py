@@ -23,7 +23,7 @@ from seater_nmpc.control.command import Command  # noqa: E402
 from seater_nmpc.control.controller import DockingController  # noqa: E402
 from seater_nmpc.observe.measurement import Hypothesis  # noqa: E402
 from seater_nmpc.observe.observer import DockObserver  # noqa: E402
-from seater_nmpc.observe.odometry import Odometry  # noqa: E402
+from seater_nmpc.observe.odometry.message import Odometry  # noqa: E402
 from seater_nmpc.parameters import ControlParameters, PlausibilityParameters, Prediction  # noqa: E402
 from seater_nmpc.plan.navigator import Navigator  # noqa: E402
 from seater_nmpc.sequence.docking_sequence import DockingSequence  # noqa: E402

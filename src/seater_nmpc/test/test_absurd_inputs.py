@@ -12,7 +12,7 @@ from seater_nmpc.control.command import Status
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.observe.innovation import Outcome
 from seater_nmpc.observe.observer import DockObserver
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import ControlParameters
 from seater_nmpc.solve.registry import SOLVERS
 

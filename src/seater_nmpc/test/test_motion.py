@@ -5,7 +5,7 @@ import pytest
 
 from seater_nmpc.drive.prediction import CommandHistory
 from seater_nmpc.observe.motion import MotionObserver
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import ObserverParameters, Prediction
 
 

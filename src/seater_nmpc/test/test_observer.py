@@ -9,7 +9,8 @@ from seater_common.se2 import arc_step, compose, inverse, wrap_angle
 from seater_nmpc.observe.innovation import Outcome
 from seater_nmpc.observe.measurement import Hypothesis, difference
 from seater_nmpc.observe.observer import DockObserver
-from seater_nmpc.observe.odometry import Odometry, OdometryBuffer
+from seater_nmpc.observe.odometry.buffer import OdometryBuffer
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import ObserverParameters
 
 CHAIR = Chair()

@@ -17,7 +17,7 @@ from seater_nmpc.control.command import Status
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.observe.innovation import Outcome
 from seater_nmpc.observe.observer import DockObserver
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import NmpcParameters
 from seater_nmpc.sequence.goal.results import Phase, ResultCode
 from seater_nmpc.sequence.shadow import Shadow

@@ -8,7 +8,7 @@ from conftest import T_ODOM_DOCK, World, observation
 from seater_common.geometry import Dock, Tolerance
 from seater_common.se2 import compose, inverse
 from seater_nmpc.control.command import Command, Status
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.sequence.goal.results import Phase, Result, ResultCode, Step
 
 CLOSE = (-0.05, 0.0, 0.0)  # the last 5 cm

@@ -13,7 +13,7 @@ from seater_common.se2 import arc_step, compose
 from seater_nmpc.control.command import Command
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.observe.observer import DockObserver
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import ControlParameters
 from seater_nmpc.sequence.docking_sequence import DockingSequence
 from seater_nmpc.sequence.goal.results import ResultCode

@@ -13,7 +13,7 @@ from seater_common.se2 import arc_step, compose, inverse, relative
 from seater_nmpc.observe.innovation import Fusion
 from seater_nmpc.observe.measurement import difference
 from seater_nmpc.observe.observer import DockObserver
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import ObserverParameters
 
 CHAIR = Chair()

@@ -5,7 +5,8 @@ import pytest
 
 from seater_nmpc.observe.acquisition import Acquisition, Series
 from seater_nmpc.observe.measurement import Measurement
-from seater_nmpc.observe.odometry import NO_TRAVEL, Instant
+from seater_nmpc.observe.odometry.instant import Instant
+from seater_nmpc.observe.odometry.travel import NO_TRAVEL
 
 COVARIANCE = np.diag([0.002, 0.002, 0.003]) ** 2
 DOCK = np.array([2.0, 1.0, 0.5])

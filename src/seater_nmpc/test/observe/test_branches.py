@@ -10,7 +10,7 @@ from seater_common.geometry import Chair, Dock
 from seater_common.se2 import arc_step, compose, inverse, wrap_angle
 from seater_nmpc.observe.innovation import Outcome
 from seater_nmpc.observe.observer import DockObserver
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.jump import sudden
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from seater_common.se2 import arc_step
-from seater_nmpc.observe.odometry import Odometry
-from seater_nmpc.observe.twist import TwistCheck
+from seater_nmpc.observe.odometry.message import Odometry
+from seater_nmpc.observe.odometry.twist import TwistCheck
 
 PERIOD = 0.02
 

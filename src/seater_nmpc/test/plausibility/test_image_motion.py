@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from seater_nmpc.observe.measurement import Measurement
-from seater_nmpc.observe.odometry import NO_TRAVEL, Instant
+from seater_nmpc.observe.odometry.instant import Instant
+from seater_nmpc.observe.odometry.travel import NO_TRAVEL
 from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Kind
 from seater_nmpc.plausibility.image_motion import Shown, contradiction, speeds_by_images

@@ -10,10 +10,11 @@ import pytest
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import arc_step, compose, inverse, relative, transform_points
 from seater_nmpc.observe.measurement import Measurement, in_frame
-from seater_nmpc.observe.odometry import Odometry, OdometryBuffer
+from seater_nmpc.observe.odometry.buffer import OdometryBuffer
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import ObserverParameters
-from seater_nmpc.plausibility.installation import Installation
-from seater_nmpc.plausibility.knowledge import NAMES
+from seater_nmpc.plausibility.installation.installation import Installation
+from seater_nmpc.plausibility.installation.knowledge import NAMES
 
 CHAIR, DOCK = Chair(), Dock()
 MOUNT = np.array([CHAIR.camera.x, CHAIR.camera.y, CHAIR.camera.yaw])
@@ -111,7 +112,7 @@ def test_what_vanishes_with_more_slip_is_slip(slipping: float, turned: float, do
     of the campaign 3300000, 3 mm off) shows a place of the camera by its wriggles alone: there more has to stay."""
     installation = Installation(CHAIR.camera, DOCK, ObserverParameters())
     installation._headings = (-0.5 * turned, 0.5 * turned)
-    installation._evidence = np.array([0.0, -58.0, -182.0, -487.0])
+    installation._filters.evidence = np.array([0.0, -58.0, -182.0, -487.0])
     covariance = np.diag([2.5e-4, 4.5e-4, 8e-6, 1e-3])
     values = [(0.004, y, -0.001, 0.0) for y in (0.0785, slipping, 0.005, 0.0003)]
     error = installation._mildest([(np.array(one), covariance) for one in values], dockings)

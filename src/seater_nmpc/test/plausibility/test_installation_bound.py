@@ -13,11 +13,11 @@ import pytest
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import arc_step, compose, inverse
-from seater_nmpc.observe.drift import SIZE
 from seater_nmpc.observe.measurement import Measurement, in_frame
-from seater_nmpc.observe.odometry import Odometry, OdometryBuffer
+from seater_nmpc.observe.odometry.buffer import OdometryBuffer
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import ObserverParameters
-from seater_nmpc.plausibility.installation import Installation
+from seater_nmpc.plausibility.installation.installation import Installation
 
 Way = list[tuple[float, float, float]]  # v [m/s], omega [rad/s], duration [s]
 
@@ -68,7 +68,7 @@ def bound(way: Way, start: tuple[float, float, float], slip: int = USUAL) -> tup
                 seen = in_frame(chair.pose, Measurement(dock, covariance(dock)))
                 assert np.allclose(seen.pose, compose(odom, dock))
                 installation.add(chair, [seen], seen.pose)
-    B, P = installation._effect(np.zeros(3)), installation._covariance[slip][SIZE:, SIZE:]
+    B, (_, P) = installation._effect.on(np.zeros(3)), installation._filters.found[slip]
     x, y, _ = 1e3 * np.sqrt(np.diag(B @ P @ B.T))
     return float(x), float(y)
 

@@ -13,11 +13,12 @@ from test_installation import CHAIR, DOCK, LIMITS, NOISE, S_CURVE, seen
 from seater_common.camera_model import CameraModel
 from seater_common.se2 import arc_step
 from seater_nmpc.observe.measurement import Measurement, in_frame
-from seater_nmpc.observe.odometry import Odometry, OdometryBuffer
+from seater_nmpc.observe.odometry.buffer import OdometryBuffer
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import ObserverParameters
-from seater_nmpc.plausibility.installation import _MODEL, Installation
-from seater_nmpc.plausibility.knowledge import Knowledge, nothing_known
-from seater_nmpc.plausibility.memory import Memory, mark_of
+from seater_nmpc.plausibility.installation.installation import _MODEL, Installation
+from seater_nmpc.plausibility.installation.knowledge import Knowledge, nothing_known
+from seater_nmpc.plausibility.installation.memory import Memory, mark_of
 
 MARK = mark_of(CHAIR, DOCK, None)
 CERTAIN = 5.0

@@ -5,9 +5,10 @@ import pytest
 
 from seater_common.se2 import compose, inverse
 from seater_nmpc.observe.measurement import Measurement
-from seater_nmpc.observe.odometry import NO_TRAVEL, Instant
+from seater_nmpc.observe.odometry.instant import Instant
+from seater_nmpc.observe.odometry.travel import NO_TRAVEL
 from seater_nmpc.parameters import SequenceParameters
-from seater_nmpc.sequence.rest.correction import Verdict, judge, standing_dock, surely
+from seater_nmpc.sequence.rest.correction import Correction, judge, standing_dock, surely
 from seater_nmpc.sequence.rest.roll import Roll
 from seater_nmpc.sequence.rest.way_on import has_way_on, next_overshoot
 
@@ -19,26 +20,26 @@ P = SequenceParameters(
 @pytest.mark.parametrize(
     ("error", "moves", "verdict"),
     [
-        ((-0.002, 0.006, 0.005), 0, Verdict.STAY),
-        ((-0.002, 0.006, 0.007), 0, Verdict.TURN),
-        ((-0.02, 0.0, -0.1), 0, Verdict.TURN),  # heading first: it moves what is ahead
-        ((-0.02, 0.0, -0.1), 1, Verdict.MOVE),  # after a turn the castors stand aside: driving on turns it, too
-        ((-0.002, 0.0, -0.1), 1, Verdict.TURN),
-        ((-0.004, 0.0, 0.0), 0, Verdict.MOVE),
-        ((0.004, 0.0, 0.0), 0, Verdict.STAY),  # a little too deep: not worth driving back
-        ((0.005, 0.0, 0.0), 0, Verdict.MOVE),
-        ((0.009, 0.0, 0.0), 0, Verdict.MOVE),
-        ((0.006, 0.006, 0.0), 0, Verdict.MOVE),  # rather than another attempt
-        ((0.0, -0.009, 0.0), 0, Verdict.AGAIN),  # no move on the spot mends that
-        ((0.0, 0.0, 0.13), 0, Verdict.AGAIN),
-        ((-0.007, 0.0, 0.013), 3, Verdict.STAY),  # no move left, but good enough
-        ((-0.007, 0.0, 0.015), 3, Verdict.AGAIN),
-        ((-0.006, 0.006, 0.0), 3, Verdict.AGAIN),
-        ((-0.03, 0.0, 0.0), 2, Verdict.MOVE),
-        ((-0.03, 0.0, 0.0), 3, Verdict.AGAIN),
+        ((-0.002, 0.006, 0.005), 0, Correction.STAY),
+        ((-0.002, 0.006, 0.007), 0, Correction.TURN),
+        ((-0.02, 0.0, -0.1), 0, Correction.TURN),  # heading first: it moves what is ahead
+        ((-0.02, 0.0, -0.1), 1, Correction.MOVE),  # after a turn the castors stand aside: driving on turns it, too
+        ((-0.002, 0.0, -0.1), 1, Correction.TURN),
+        ((-0.004, 0.0, 0.0), 0, Correction.MOVE),
+        ((0.004, 0.0, 0.0), 0, Correction.STAY),  # a little too deep: not worth driving back
+        ((0.005, 0.0, 0.0), 0, Correction.MOVE),
+        ((0.009, 0.0, 0.0), 0, Correction.MOVE),
+        ((0.006, 0.006, 0.0), 0, Correction.MOVE),  # rather than another attempt
+        ((0.0, -0.009, 0.0), 0, Correction.AGAIN),  # no move on the spot mends that
+        ((0.0, 0.0, 0.13), 0, Correction.AGAIN),
+        ((-0.007, 0.0, 0.013), 3, Correction.STAY),  # no move left, but good enough
+        ((-0.007, 0.0, 0.015), 3, Correction.AGAIN),
+        ((-0.006, 0.006, 0.0), 3, Correction.AGAIN),
+        ((-0.03, 0.0, 0.0), 2, Correction.MOVE),
+        ((-0.03, 0.0, 0.0), 3, Correction.AGAIN),
     ],
 )
-def test_verdicts(error, moves: int, verdict: Verdict) -> None:
+def test_verdicts(error, moves: int, verdict: Correction) -> None:
     assert judge(np.array(error), moves, P) is verdict
 
 

@@ -15,7 +15,7 @@ from seater_common.geometry import Chair, Dock
 from seater_common.se2 import compose, inverse
 from seater_common.sight import Sight
 from seater_nmpc.ocp.constraints.view import kept_field
-from seater_nmpc.plausibility.knowledge import InstallationError, Knowledge
+from seater_nmpc.plausibility.installation.knowledge import InstallationError, Knowledge
 from seater_nmpc.sequence.goal.results import Phase, ResultCode
 from seater_nmpc.sequence.phases.swing import Swing
 
@@ -203,10 +203,10 @@ def test_a_chair_that_does_not_move_goes_on() -> None:
 @pytest.mark.parametrize(("suspect", "doubted"), [(0, False), (3, True)])
 def test_what_only_the_likeliest_filter_has_against_the_walls(make_world, suspect: int, doubted: bool) -> None:
     """A place of the camera may be slip: a right installation was refused ahead of the bay (campaign, case 238)."""
-    watch = make_world(FAR).sequence._watch
+    watch = make_world(FAR).sequence._watch.installation
     values, effects = np.zeros(4), np.zeros((3, 4))
     values[suspect], effects[0, suspect] = 0.034, 0.041
     seen = InstallationError(values, np.diag([0.0055**2] * 4), effects, np.eye(3))
     nothing = InstallationError(np.zeros(4), np.eye(4), np.zeros((3, 4)), np.eye(3))
-    watch._installation = SimpleNamespace(error=lambda dock: nothing, likeliest=lambda dock: seen, has_seen_enough=True)
+    watch.seen = SimpleNamespace(error=lambda dock: nothing, likeliest=lambda dock: seen, has_seen_enough=True)
     assert (watch.walls() is not None) == doubted

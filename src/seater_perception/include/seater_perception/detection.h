@@ -42,6 +42,9 @@ enum class PoseStage {
 /// "corners", "edges", "photometric".
 const char* nameOf(PoseStage stage);
 
+/// [-] Ambiguity from which on both poses of a marker go out, and none counts as certain.
+constexpr double kUndecided = 0.05;
+
 /// A marker whose pose is known.
 struct DetectedMarker {
   int id = 0;

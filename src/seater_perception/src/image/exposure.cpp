@@ -39,10 +39,14 @@ double lightOf(double grey, double exponent) {
   return std::pow(std::max(0.0, grey), exponent);
 }
 
+double levelInLight(double grey, double exponent) {
+  return kRange * lightOf(grey / kRange, exponent);
+}
+
 cv::Mat inLight(const cv::Mat& grey, double exponent) {
   if (exponent == 1.0) return grey;
   cv::Mat table(1, 256, CV_8U), light;
-  for (int i = 0; i < 256; ++i) table.at<uchar>(i) = cv::saturate_cast<uchar>(kRange * lightOf(i / kRange, exponent));
+  for (int i = 0; i < 256; ++i) table.at<uchar>(i) = cv::saturate_cast<uchar>(levelInLight(i, exponent));
   cv::LUT(grey, table, light);
   return light;
 }

@@ -19,6 +19,9 @@ constexpr std::array<double, 2> kToneExponents{1.5, 2.2};
 /// `grey` and light as a part of the range's end.
 double lightOf(double grey, double exponent);
 
+/// The same of a grey level of 0 .. 255, as a level of that range, not rounded.
+double levelInLight(double grey, double exponent);
+
 /// An image of grey levels (CV_8UC1) in light. The ends of the range stay where they are. Shares memory for 1.
 cv::Mat inLight(const cv::Mat& grey, double exponent);
 

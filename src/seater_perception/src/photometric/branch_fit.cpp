@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "photometric/shift_evidence.h"
+#include "pose/pose.h"
 
 namespace seater_perception {
 namespace {
@@ -193,7 +194,7 @@ bool BranchFit::clearlyWorseThan(const BranchFit& best) const {
 
 /// Where two minima lie near to each other the image hardly changes between them: their angle has to be small too.
 bool BranchFit::sameAs(const BranchFit& best, const Evaluation& look) const {
-  if (Eigen::AngleAxisd(look_pose_.linear().transpose() * best.look_pose_.linear()).angle() > kSameTurn) return false;
+  if (turnBetween(look_pose_, best.look_pose_) > kSameTurn) return false;
   return look.distance(look_pose_, best.look_pose_) < kSame * scale_ * scale_;
 }
 

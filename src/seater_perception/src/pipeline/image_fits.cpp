@@ -8,7 +8,6 @@
 namespace seater_perception {
 namespace {
 
-constexpr double kRange = 255.0;  // of grey levels
 // What fits leave unexplained with one exponent over that with none, from which on it is the camera's. Chosen by hand:
 // photographs and drawn cameras with a tone curve show 0.05 to 0.7.
 constexpr double kBetter = 0.75;
@@ -23,9 +22,7 @@ constexpr std::size_t kAsked = 6;  // markers of an image, which decide that
 
 /// Of a marker's hypotheses, the one whose attitude is nearest to this pose's.
 void keepNearest(const Eigen::Isometry3d& pose, MarkerEstimate& marker) {
-  const auto turn = [&pose](const PoseHypothesis& h) {
-    return Eigen::AngleAxisd(h.pose.linear().transpose() * pose.linear()).angle();
-  };
+  const auto turn = [&pose](const PoseHypothesis& h) { return turnBetween(h.pose, pose); };
   PoseHypothesis nearest = *std::min_element(marker.hypotheses.begin(), marker.hypotheses.end(),
                                              [&](const auto& a, const auto& b) { return turn(a) < turn(b); });
   nearest.weight = 1.0;
@@ -90,7 +87,7 @@ PhotometricContext DetectionPipeline::contextOf(const ImageFits& image) {
 /// What a fit to light begins with: edges lie elsewhere there.
 MarkerEstimate DetectionPipeline::litMarker(const ImageFits& image, const MarkerEstimate& marker, bool tracked) const {
   MarkerEstimate lit = marker;
-  const auto light = [&image](double grey) { return kRange * lightOf(grey / kRange, image.tone.exponent); };
+  const auto light = [&image](double grey) { return levelInLight(grey, image.tone.exponent); };
   lit.image.dark = light(marker.image.dark);
   if (marker.image.contrast > 0.0)
     lit.image.contrast = std::max(1.0, light(marker.image.dark + marker.image.contrast) - lit.image.dark);

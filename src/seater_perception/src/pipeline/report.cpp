@@ -1,20 +1,12 @@
 #include "seater_perception/report.h"
 
 #include <cmath>
-#include <cstdio>
 #include <sstream>
+
+#include "pipeline/format.h"
 
 namespace seater_perception {
 namespace {
-
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
-
-template <typename... Values>
-std::string format(const char* pattern, Values... values) {
-  char line[256];
-  std::snprintf(line, sizeof(line), pattern, values...);
-  return line;
-}
 
 std::string quoted(const std::string& text) {
   std::string result = "\"";

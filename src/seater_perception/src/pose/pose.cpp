@@ -34,6 +34,19 @@ Eigen::Isometry3d fromVisp(const vpHomogeneousMatrix& pose) {
   return result;
 }
 
+/// Of what the points are off in the image [px], each over `variance(i)`; infinite when one is behind the camera.
+template <typename Variance>
+double sumOfSquares(const CameraModel& camera, const Correspondences& points, const Eigen::Isometry3d& pose,
+                    Variance variance) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto pixel = camera.project(pose * points.object[i]);
+    if (!pixel) return std::numeric_limits<double>::infinity();
+    sum += (*pixel - points.pixel[i]).squaredNorm() / variance(i);
+  }
+  return sum;
+}
+
 }  // namespace
 
 bool Correspondences::add(const Eigen::Vector3d& object_point, const Eigen::Vector2d& seen, double pixel_sigma,
@@ -80,23 +93,12 @@ std::optional<Eigen::Isometry3d> refinePose(const Correspondences& points, const
 }
 
 double reprojectionError(const CameraModel& camera, const Correspondences& points, const Eigen::Isometry3d& pose) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto pixel = camera.project(pose * points.object[i]);
-    if (!pixel) return std::numeric_limits<double>::infinity();
-    sum += (*pixel - points.pixel[i]).squaredNorm();
-  }
+  const double sum = sumOfSquares(camera, points, pose, [](std::size_t) { return 1.0; });
   return std::sqrt(sum / static_cast<double>(points.size()));
 }
 
 double chiSquared(const CameraModel& camera, const Correspondences& points, const Eigen::Isometry3d& pose) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto pixel = camera.project(pose * points.object[i]);
-    if (!pixel) return std::numeric_limits<double>::infinity();
-    sum += (*pixel - points.pixel[i]).squaredNorm() / (points.sigma[i] * points.sigma[i]);
-  }
-  return sum;
+  return sumOfSquares(camera, points, pose, [&points](std::size_t i) { return points.sigma[i] * points.sigma[i]; });
 }
 
 std::optional<Matrix6d> poseCovariance(const CameraModel& camera, const Correspondences& points,
@@ -155,8 +157,12 @@ Vector6d poseDifference(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) 
   return difference;
 }
 
+double turnBetween(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
+}
+
 bool samePose(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
-  const double angle = Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
+  const double angle = turnBetween(a, b);
   const double distance = (a.translation() - b.translation()).norm();
   return angle < 1e-3 && distance < 1e-4 * a.translation().norm();
 }

@@ -59,6 +59,9 @@ Eigen::Isometry3d movedPose(const Eigen::Isometry3d& a, const Vector6d& change);
 /// (d, w) with b = movedPose(a, (d, w)), the rotation's angle at most pi.
 Vector6d poseDifference(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
 
+/// [rad] Angle of the rotation that takes one attitude to the other, 0 .. pi.
+double turnBetween(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
+
 /// True when both poses are the same for practical purposes: within 0.001 rad, and 0.0001 of the distance.
 bool samePose(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
 

@@ -29,8 +29,8 @@ std::vector<PoseHypothesis> distinct(const std::vector<PhotometricBranch>& branc
   for (const auto& b : branches) {
     if (!possible(b.result)) continue;
     const auto same = [&](const PoseHypothesis& h) {
-      const double turn = Eigen::AngleAxisd(h.pose.linear().transpose() * b.result.pose.linear()).angle();
-      return turn < 0.5 * std::sqrt(b.result.covariance.bottomRightCorner<3, 3>().trace());
+      return turnBetween(h.pose, b.result.pose) <
+             0.5 * std::sqrt(b.result.covariance.bottomRightCorner<3, 3>().trace());
     };
     if (std::any_of(hypotheses.begin(), hypotheses.end(), same)) continue;
     PoseHypothesis h;

@@ -13,10 +13,6 @@ constexpr double kSameBranch = 0.1;  // [rad] of turn: both stages found the sam
 constexpr double kLeastWeight = 1e-9;
 constexpr std::size_t kCorners = 4;
 
-double turnBetween(const PoseHypothesis& a, const PoseHypothesis& b) {
-  return Eigen::AngleAxisd(a.pose.linear().transpose() * b.pose.linear()).angle();
-}
-
 /// Near the line of sight, errors of corners may leave one minimum only, in the middle or on either side of it.
 void addMirrored(const CameraModel& camera, const Correspondences& corners, MarkerEstimate& marker) {
   PoseHypothesis other = marker.best();
@@ -61,7 +57,7 @@ void openBranches(const MarkerEstimate& by_corners, MarkerEstimate& marker) {
   if (open.empty() || marker.hypotheses.empty() || by_corners.branch_known) return;
   const PoseHypothesis decided = marker.best();
   const auto nearer = [&decided](const auto& a, const auto& b) {
-    return turnBetween(a, decided) < turnBetween(b, decided);
+    return turnBetween(a.pose, decided.pose) < turnBetween(b.pose, decided.pose);
   };
   const auto near = std::min_element(open.begin(), open.end(), nearer);
   const auto far = std::max_element(open.begin(), open.end(), nearer);
@@ -71,7 +67,7 @@ void openBranches(const MarkerEstimate& by_corners, MarkerEstimate& marker) {
     likelihood = std::min(1.0, std::exp(0.5 * (near->chi_squared - far->chi_squared) / scale));
     weight = std::min(1.0, far->weight / std::max(kLeastWeight, near->weight));
   }
-  if (likelihood <= kUndecided || turnBetween(*far, decided) < kSameBranch) return;
+  if (likelihood <= kUndecided || turnBetween(far->pose, decided.pose) < kSameBranch) return;
   if (marker.hypotheses.size() == 1) marker.hypotheses.push_back(*far);
   marker.hypotheses.resize(2);
   marker.hypotheses[0].weight = 1.0 / (1.0 + weight);

@@ -7,9 +7,6 @@
 
 namespace seater_perception {
 
-/// [-] Ambiguity from which on both poses go out.
-constexpr double kUndecided = 0.05;
-
 /// Poses of the corners, which are as uncertain as what the grey levels deviate from the model says (`model_sigma` of
 /// `marker`). Errors of corners have long tails there: the branch of a small marker, or one without fitted edges, is
 /// decided as if they were twice as uncertain. Where they leave one pose whose mirror

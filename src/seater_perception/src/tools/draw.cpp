@@ -2,22 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <opencv2/imgproc.hpp>
 
+#include "pipeline/format.h"
 #include "seater_perception/report.h"
+#include "tools/strokes.h"
 
 namespace seater_perception {
 namespace {
 
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
-const cv::Scalar kOutline(0, 220, 255), kRed(40, 40, 255), kGreen(40, 220, 40), kBlue(255, 120, 40),
-    kText(255, 255, 255);
-constexpr int kShift = 4;  // cv::line takes 1/16 px
-
-cv::Point fine(const Eigen::Vector2d& p) {
-  return {cvRound(p.x() * (1 << kShift)), cvRound(p.y() * (1 << kShift))};
-}
+const cv::Scalar kGreen(40, 220, 40), kBlue(255, 120, 40), kText(255, 255, 255);
 
 /// True when a pixel is near enough to the image to be drawn without running over cv::line's integers.
 bool drawable(const cv::Mat& image, const Eigen::Vector2d& p) {
@@ -30,7 +24,7 @@ void line(cv::Mat& image, const Eigen::Vector2d& a, const Eigen::Vector2d& b, co
 }
 
 void text(cv::Mat& image, const std::string& words, cv::Point at, double scale) {
-  const int thick = std::max(1, cvRound(2.0 * scale));
+  const int thick = strokeWidth(2.0 * scale);
   cv::putText(image, words, at, cv::FONT_HERSHEY_SIMPLEX, scale, cv::Scalar(0, 0, 0), thick + 3, cv::LINE_AA);
   cv::putText(image, words, at, cv::FONT_HERSHEY_SIMPLEX, scale, kText, thick, cv::LINE_AA);
 }
@@ -52,20 +46,18 @@ void dock(cv::Mat& image, const CameraModel& camera, const DockLayout& layout, c
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const auto& [id, place] : layout.markers) middle += place.position / static_cast<double>(layout.markers.size());
   const Eigen::Isometry3d raised = h.pose * Eigen::Translation3d(middle);
-  axes(image, camera, raised, 0.25, std::max(1, cvRound(3.0 * scale)));
+  axes(image, camera, raised, 0.25, strokeWidth(3.0 * scale));
   const auto end = camera.project(raised * Eigen::Vector3d(0.0, 0.0, 0.27));
   if (end && drawable(image, *end)) text(image, "dock", {cvRound(end->x()), cvRound(end->y())}, 0.7 * scale);
 }
 
 std::string words(const char* pattern, const Placement& p) {
-  char buffer[160];
-  std::snprintf(buffer, sizeof(buffer), pattern, p.distance, p.lateral, kDegrees * p.angle);
-  return buffer;
+  return format(pattern, p.distance, p.lateral, kDegrees * p.angle);
 }
 
 void marker(cv::Mat& image, const CameraModel& camera, const DetectedMarker& m, double scale) {
   const auto& c = m.corners;
-  const int width = std::max(1, cvRound(2.0 * scale));
+  const int width = strokeWidth(2.0 * scale);
   for (std::size_t i = 0; i < 4; ++i) line(image, c[i], c[(i + 1) % 4], kOutline, width);
   cv::circle(image, fine(c[0]), cvRound(4.0 * scale) << kShift, kRed, width, cv::LINE_AA, kShift);
   axes(image, camera, m.best().pose, 0.5 * m.size, width);
@@ -81,7 +73,7 @@ cv::Mat annotate(const cv::Mat& grey, const CameraModel& camera, const DockLayou
                  const DetectionResult& result, const std::vector<std::string>& lines) {
   cv::Mat image;
   cv::cvtColor(grey, image, cv::COLOR_GRAY2BGR);
-  const double scale = std::max(0.5, image.cols / 1280.0);
+  const double scale = strokeScale(image);
   std::vector<std::string> all;
   for (const DetectedMarker& m : result.markers) {
     marker(image, camera, m, scale);

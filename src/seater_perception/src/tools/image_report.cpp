@@ -2,23 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <opencv2/imgproc.hpp>
 
+#include "pipeline/format.h"
 #include "seater_perception/report.h"
+#include "tools/strokes.h"
 
 namespace seater_perception {
 namespace {
-
-constexpr double kUndecided = 0.05;  // from this ratio of probabilities on, docs count a pose as not certain
-
-template <typename... Values>
-std::string format(const char* pattern, Values... values) {
-  char line[200];
-  std::snprintf(line, sizeof(line), pattern, values...);
-  return line;
-}
 
 double sideOf(const PlainMarker& m) {
   double sum = 0.0;
@@ -169,19 +161,18 @@ std::string describeJson(const std::vector<PlainMarker>& markers, const ImageNot
 }
 
 cv::Mat annotatePlain(const cv::Mat& grey, const std::vector<PlainMarker>& markers) {
-  constexpr int kShift = 4;  // OpenCV takes 1/16 px
   cv::Mat image;
   cv::cvtColor(grey, image, cv::COLOR_GRAY2BGR);
-  const double scale = std::max(0.5, image.cols / 1280.0);
-  const int width = std::max(1, cvRound(2.0 * scale));
+  const double scale = strokeScale(image);
+  const int width = strokeWidth(2.0 * scale);
   for (const PlainMarker& m : markers) {
     std::vector<cv::Point> outline;
-    for (const auto& c : m.corners) outline.emplace_back(cvRound(16.0 * c.x()), cvRound(16.0 * c.y()));
-    cv::polylines(image, outline, true, cv::Scalar(0, 220, 255), width, cv::LINE_AA, kShift);
-    cv::circle(image, outline[0], cvRound(4.0 * scale) << kShift, cv::Scalar(40, 40, 255), width, cv::LINE_AA, kShift);
-    const cv::Point at(outline[3].x / 16, outline[3].y / 16 + cvRound(26.0 * scale));
-    cv::putText(image, "id " + std::to_string(m.id), at, cv::FONT_HERSHEY_SIMPLEX, 0.7 * scale, cv::Scalar(0, 220, 255),
-                width, cv::LINE_AA);
+    for (const auto& c : m.corners) outline.push_back(fine(c));
+    cv::polylines(image, outline, true, kOutline, width, cv::LINE_AA, kShift);
+    cv::circle(image, outline[0], cvRound(4.0 * scale) << kShift, kRed, width, cv::LINE_AA, kShift);
+    const cv::Point at(outline[3].x / (1 << kShift), outline[3].y / (1 << kShift) + cvRound(26.0 * scale));
+    cv::putText(image, "id " + std::to_string(m.id), at, cv::FONT_HERSHEY_SIMPLEX, 0.7 * scale, kOutline, width,
+                cv::LINE_AA);
   }
   return image;
 }

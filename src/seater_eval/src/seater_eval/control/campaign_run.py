@@ -17,7 +17,7 @@ from seater_eval.run.setup_files import Setup
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.control.limits import in_bay
 from seater_nmpc.observe.observer import DockObserver
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.sequence.docking_sequence import DockingSequence
 from seater_nmpc.sequence.goal.results import Result

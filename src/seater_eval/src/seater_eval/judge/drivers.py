@@ -14,9 +14,9 @@ from seater_eval.judge.parts import Files, Kept
 from seater_eval.judge.plant.chair import IndependentChair
 from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.observer import DockObserver
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import NmpcParameters
-from seater_nmpc.plausibility.knowledge import Knowledge
+from seater_nmpc.plausibility.installation.knowledge import Knowledge
 from seater_nmpc.sequence.docking_sequence import DockingSequence
 from seater_nmpc.sequence.goal.results import Result
 

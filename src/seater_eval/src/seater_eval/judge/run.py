@@ -23,7 +23,7 @@ from seater_eval.judge.plant.faults import Injector
 from seater_eval.judge.told import told_parameters
 from seater_eval.judge.verdict import Motion, is_far, judge, smallest_gap
 from seater_nmpc.parameters import ControlParameters, NmpcParameters
-from seater_nmpc.plausibility.knowledge import Knowledge
+from seater_nmpc.plausibility.installation.knowledge import Knowledge
 
 Array = NDArray[np.float64]
 

@@ -73,9 +73,6 @@ class LaunchProcess:
     def running(self) -> bool:
         return self._process is not None and self._process.poll() is None
 
-    def exit_code(self) -> int | None:
-        return None if self._process is None else self._process.poll()
-
     def wait(self, timeout: float) -> bool:
         """Wall time [s]; true when it has ended by itself."""
         end = time.monotonic() + timeout

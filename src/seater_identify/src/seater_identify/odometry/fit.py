@@ -37,7 +37,6 @@ class OdometryFit:
     errors: Array
     covariance: Array
     images: int
-    left_out: int
 
 
 def fit_odometry(recording: Recording) -> OdometryFit | None:
@@ -47,14 +46,13 @@ def fit_odometry(recording: Recording) -> OdometryFit | None:
     if len(chosen) < FEWEST:
         return None
     chosen = chosen[np.unique(np.linspace(0, len(chosen) - 1, min(MOST, len(chosen))).astype(int))]
-    left_out = len(recording.dock)
     best: tuple[float, Array, Array] | None = None
     for size in SIZES:
         state, covariance, likelihood, chosen = _solve(recording, path, chosen, size)
         if best is None or likelihood > best[0]:
             best = likelihood, state, covariance
     assert best is not None
-    return OdometryFit(best[1][:3], best[2][:3, :3], len(chosen), left_out)
+    return OdometryFit(best[1][:3], best[2][:3, :3], len(chosen))
 
 
 class _Path:

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from seater_identify.response.fit import AxisData
+from seater_identify.response.data import AxisData
 
 Array = NDArray[np.float64]
 

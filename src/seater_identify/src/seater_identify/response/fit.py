@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from seater_identify.response.data import AxisData
 from seater_identify.response.model import NO_RAMP, AxisModel
-from seater_identify.response.problem import HUBER, AxisData, AxisProblem
+from seater_identify.response.problem import HUBER, AxisProblem
 
 Array = NDArray[np.float64]
 

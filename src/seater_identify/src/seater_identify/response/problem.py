@@ -7,13 +7,12 @@ disturb the one, floor and motors the other.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_identify.response.data import AxisData
 from seater_identify.response.disturbances import PRIOR_SD, SWING, Disturbances, way_since_change
-from seater_identify.response.model import AxisModel, Commands, grid_of, lagged, mean_speeds
+from seater_identify.response.model import AxisModel, grid_of, lagged, mean_speeds
 
 Array = NDArray[np.float64]
 
@@ -25,23 +24,6 @@ BRAKE, RELEASE = 0.15, 2.0
 UNLIKE = 0.1  # share by which the deadbands of both ways usually differ
 SWINGING = 0.2  # weight of what is measured while the castors swing round
 SMALLEST_SD = 0.001  # of the typical speed: a simulation without noise
-
-
-@dataclass(frozen=True)
-class AxisData:
-    """What the fit sees of one axis, in m or rad."""
-
-    commands: Commands
-    other: Array  # (n,) measured mean speed of the other axis, which may leak into this one
-    heading: Array  # (n,) [rad] in odom
-    begin: Array  # (n,) [s]
-    end: Array
-    measured: Array  # (n,) mean speed [1/s]
-    unit: float  # [1/s] a typical speed of the axis, for the scales of the problem
-    # Way from a change of direction until the castors trail, [m] or [rad]. A reversal leaves them pointing ahead, which
-    # they hardly feel to be wrong: a turn on the spot needs a quarter.
-    settling: float
-    trails: bool = False  # castors never trail quite in line with this motion: a turn
 
 
 class AxisProblem:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from seater_identify.response.problem import AxisData
+from seater_identify.response.data import AxisData
 
 SLOW = (0.01, 0.3)  # of the typical speed: commands that look for a deadband
 SLOW_TIME = 0.5  # [s] of them, in each direction

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from seater_identify.odometry.fit import OdometryFit, fit_odometry
 from seater_identify.record.recording import Increments, Recording, increments
+from seater_identify.response.data import AxisData
 from seater_identify.response.fit import AxisFit, fit_axes
 from seater_identify.response.model import Commands
-from seater_identify.response.problem import AxisData
 from seater_identify.result.excitation import no_deadband, no_dynamics, no_steady
 from seater_identify.result.values import Estimate, bound, judged, refused
 

@@ -9,11 +9,11 @@ from dataclasses import replace
 from seater_common.geometry import Chair
 from seater_nmpc.control.limits import clamp, largest_speeds
 from seater_nmpc.drive.axis import AxisDrive
+from seater_nmpc.drive.axis_response import AxisResponseEstimator, Expected, better
 from seater_nmpc.drive.counteraction import Counteraction
 from seater_nmpc.drive.curvature import CurvatureEstimator
 from seater_nmpc.drive.modulator import Modulator
 from seater_nmpc.drive.prediction import CommandHistory
-from seater_nmpc.drive.response import Expected, ResponseEstimator, better
 
 _SPEED = Expected(widths=(0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.055), typical=0.02, noise=0.006)  # [m/s]
 _TURNING = Expected(widths=(0.01, 0.015, 0.02, 0.03, 0.04, 0.05, 0.065, 0.085, 0.11), typical=0.04, noise=0.012)
@@ -32,8 +32,8 @@ class Actuation:
         self._chair, self._history, self._adapt = chair, history, adapt
         self._sent, drive = history.view(), history.drive
         self._v, self._omega = Modulator(), Modulator()
-        self._estimate_v = ResponseEstimator(drive.v, history.delay, drive.lag_v, _SPEED)
-        self._estimate_omega = ResponseEstimator(drive.omega, history.delay, drive.lag_omega, _TURNING)
+        self._estimate_v = AxisResponseEstimator(drive.v, history.delay, drive.lag_v, _SPEED)
+        self._estimate_omega = AxisResponseEstimator(drive.omega, history.delay, drive.lag_omega, _TURNING)
         self._delay = self._estimate_v.delays.index(history.delay)  # these are believed in
         self._lag_v = self._estimate_v.lags.index(drive.lag_v)
         self._lag_omega = self._estimate_omega.lags.index(drive.lag_omega)

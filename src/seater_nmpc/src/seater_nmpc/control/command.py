@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
+
+from seater_nmpc.solve.interface import Solution
 
 Array = NDArray[np.float64]
 
@@ -36,6 +38,12 @@ class Command:
     cost: float = 0.0
     constraint_violation: float = 0.0  # largest violation in the plan [m or m/s]
     path: Array = field(default_factory=lambda: np.zeros((0, 3)))  # planned poses (N + 1, 3) in the common frame
+
+    def after(self, solution: Solution | None, solve_cpu: float) -> Command:
+        """The same, given in a cycle whose solution, if there is one, took that long and was of no use."""
+        if solution is None:
+            return self
+        return replace(self, solve_time=solution.solve_time, solve_cpu=solve_cpu, iterations=solution.iterations)
 
 
 @dataclass

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
-from seater_common.se2 import arc_length, compose, relative
-from seater_common.separation import convex_outline
+from seater_common.se2 import compose, relative
 from seater_nmpc.control.actuation import Actuation
-from seater_nmpc.control.braking import BrakingCheck, braked, curvature_at
+from seater_nmpc.control.braking import braked, curvature_at
+from seater_nmpc.control.clearance import TOO_NEAR, Clearance
 from seater_nmpc.control.command import Command, Counters, Status
+from seater_nmpc.control.driven import Driven
 from seater_nmpc.control.limits import clamp, in_bay, within_reach
-from seater_nmpc.control.pace import LONGEST_PERIOD, Pace
+from seater_nmpc.control.pace import Pace
 from seater_nmpc.control.replanner import Replanner, composed
+from seater_nmpc.control.target import Target, target_pose
 from seater_nmpc.control.to_and_fro import ToAndFro
 from seater_nmpc.drive.prediction import CommandHistory, coasting_pose
 from seater_nmpc.ocp.areas import dock_areas
@@ -26,11 +27,8 @@ from seater_nmpc.parameters import ControlParameters
 from seater_nmpc.solve.interface import Solution, Solver, SolveStatus
 
 Array = NDArray[np.float64]
-Target = str | Sequence[float] | Array
 
 _FARTHEST = 1000.0  # [m] distance of the target at which no solver is asked: from 1e300 m fatrop does not come back
-_JUMP = (0.1, 0.2)  # [m/s, rad/s] by which speeds from poses may differ from the measured ones
-_TOO_NEAR = "an obstacle is within the stopping distance"
 
 
 class DockingController:
@@ -74,21 +72,19 @@ class DockingController:
         self.history = CommandHistory(self.parameters.prediction)  # of all that the chair is asked for, by whomever
         self._commands, self._begins = self.history.view(), True
         prediction = self.parameters.prediction
-        period = self.parameters.control_period
         self._actuation = Actuation(chair, self.history, adapt=prediction.adapt)
-        self.pace = Pace(chair.limits, period)
-        self._braking = BrakingCheck(chair, self.parameters.stop_margin, period, prediction.motor_lag)
+        self.pace = Pace(chair.limits, self.parameters.control_period)
+        self._clearance = Clearance(chair, self.parameters)
         self.counters = Counters()
         self._clock = 0.0
         self._acts_at = np.zeros(3)  # base_link in the dock's frame where the next command begins to act
-        self._obstacles: list[Array] = []
         self.reset()
 
     def reset(self) -> None:
         """Forget the plan, as at a goal's beginning: the next begins with the measured speeds, whatever was sent."""
         self._begins = True
         self.pace.restart()
-        self._last_pose: tuple[float, Array] | None = None
+        self._driven = Driven()
         self._replanner.reset()
         self._to_and_fro = ToAndFro()
         self.counters.consecutive_failures = 0
@@ -118,7 +114,7 @@ class DockingController:
     @property
     def obstacles(self) -> list[Array]:
         """What `set_obstacles` was given last, as convex anticlockwise outlines (n, 2) in the dock's frame [m]."""
-        return self._obstacles
+        return self._clearance.outlines
 
     def set_obstacles(self, polygons: Sequence[ArrayLike]) -> None:
         """Obstacles to keep clear of from now on (none: an empty list): corners (n, 2) of each in the dock's frame [m].
@@ -129,10 +125,7 @@ class DockingController:
         Raises:
             ValueError: a polygon is not finite or has no area, or the problem has no areas; those before still hold.
         """
-        outlines = [convex_outline(polygon) for polygon in polygons]
-        if outlines and self._areas is None:
-            raise ValueError("control/walls: is false, must be true for obstacles to be kept clear of")
-        self._obstacles = outlines
+        self._clearance.set(polygons)
 
     def warm_up(self) -> None:
         """Solve once cold and once warm, so that no cycle pays for loading the solver."""
@@ -168,8 +161,8 @@ class DockingController:
             return self._fall_back(self._clock, None, "input not finite")
         self._clock = stamp
         self.pace.cycle(stamp)
-        self._measured_now(stamp, np.asarray(vehicle_pose, dtype=float), velocity)
-        T_dock_target = self._target(target)
+        self._actuation.measured(stamp, *self._driven.speeds(stamp, np.asarray(vehicle_pose, dtype=float), velocity))
+        T_dock_target = target_pose(target, self._dock)
         T_common_target = compose(dock_pose, T_dock_target)
         state = self._state(stamp, vehicle_pose, velocity, dock_pose, T_common_target)
         if not (np.all(np.isfinite(state)) and np.max(np.abs(state[:2])) <= _FARTHEST):
@@ -177,7 +170,7 @@ class DockingController:
             return self._fall_back(stamp, None, f"target is farther than {_FARTHEST:.0f} m")
         acceleration = self._commands.acceleration(self.period)
         solution = self._replanner.solve(
-            state, stamp, T_dock_target, self._obstacles, acceleration, self.pace.limits(self.history.drive)
+            state, stamp, T_dock_target, self._clearance.outlines, acceleration, self.pace.limits(self.history.drive)
         )
         slow = self._areas is not None and in_bay(self._chair, self._dock.bay, self._acts_at)
         if not self._replanner.usable(solution):
@@ -220,17 +213,6 @@ class DockingController:
         v, omega = self._actuation.send(stamp, (v, omega), velocity, self.period, True, planned=False)
         return Command(v=v, omega=omega)
 
-    def _measured_now(self, stamp: float, pose: Array, velocity: tuple[float, float]) -> None:
-        """Learn from what `command` is given: mean speeds since the last pose, or the measured ones where it jumped."""
-        before, self._last_pose = self._last_pose, (stamp, pose)
-        mean = velocity
-        if before is not None and 0.0 < stamp - before[0] <= LONGEST_PERIOD and _near(before[1], pose):
-            x, y, turn = relative(before[1], pose).tolist()
-            driven = (arc_length(x, y, turn) / (stamp - before[0]), turn / (stamp - before[0]))
-            if all(abs(d - v) <= most for d, v, most in zip(driven, velocity, _JUMP, strict=True)):
-                mean = driven
-        self._actuation.measured(stamp, *mean)
-
     def rest_pose(self, stamp: float, vehicle_pose: ArrayLike, velocity: tuple[float, float]) -> Array:
         """Where the chair comes to rest when zero is commanded now: (x, y, heading), in the frame of `vehicle_pose`.
 
@@ -243,14 +225,6 @@ class DockingController:
         self._commands.restart()
         self._actuation.restart()
         self._begins = False
-
-    def _target(self, target: Target) -> Array:
-        if isinstance(target, str):
-            named = {"dock": [0.0, 0.0, 0.0], "predock": [self._dock.predock_x, 0.0, 0.0]}
-            if target not in named:
-                raise ValueError(f"target: is {target!r}, must be one of {', '.join(named)} or a pose")
-            return np.array(named[target])
-        return np.asarray(target, dtype=float)
 
     def _speeds_before(self, v: float, omega: float) -> tuple[float, float]:
         """Speeds to begin with: the last command, unless the chair, measured at (v, omega), does not follow it."""
@@ -269,7 +243,7 @@ class DockingController:
         self.counters.consecutive_failures = 0
         if not self._stops_clear(*wanted):
             self.counters.obstacle_stops += 1
-            return self._brake(stamp, solution, _TOO_NEAR, slow)
+            return self._brake(stamp, solution, TOO_NEAR, slow)
         v, omega = self._actuation.send(stamp, wanted, before, self.period, slow)
         status = Status.SOLVED
         if solution.status is SolveStatus.LIMIT:
@@ -318,23 +292,8 @@ class DockingController:
     ) -> Command:
         """A command that does not come from a new plan."""
         command = Command(v=v, omega=omega, status=status, solver=self._replanner.name, text=text)
-        if solution is None:
-            return command
-        return replace(
-            command,
-            solve_time=solution.solve_time,
-            solve_cpu=self._replanner.solve_cpu,
-            iterations=solution.iterations,
-        )
+        return command.after(solution, self._replanner.solve_cpu)
 
     def _stops_clear(self, v: float, omega: float) -> bool:
-        if not self._obstacles:
-            return True
-        drive = self.history.drive
-        self._braking.hold = self.period + max(drive.lag_v, drive.lag_omega, self.parameters.prediction.motor_lag)
-        return self._braking.passes(self._acts_at, v, omega, self._obstacles, self._replanner.path)
-
-
-def _near(a: Array, b: Array) -> bool:
-    """Whether both are places on a floor, not far apart."""
-    return bool(np.max(np.abs(a)) < _FARTHEST and np.max(np.abs(b)) < _FARTHEST)
+        path, period, drive = self._replanner.path, self.period, self.history.drive
+        return self._clearance.is_kept(self._acts_at, v, omega, path, period, drive)

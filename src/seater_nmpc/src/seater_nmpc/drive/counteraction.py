@@ -2,7 +2,7 @@
 
 Castors that stick hold a chair on the arc on which they stand, until the motors have built up the force that turns
 them. A plain command waits for that; one that is larger by what is missing brings it about sooner. What the learned
-response explains is not counteracted (response.py: the difference is the least of all delays and lags that fit).
+response explains is not counteracted (axis_response.py: the difference is the least of all delays and lags that fit).
 """
 
 from __future__ import annotations

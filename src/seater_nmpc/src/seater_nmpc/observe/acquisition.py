@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_nmpc.observe.measurement import Measurement, combine, distance
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 
 Array = NDArray[np.float64]
 Series = list[tuple[Instant, Measurement]]

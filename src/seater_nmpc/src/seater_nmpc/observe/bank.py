@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from seater_nmpc.observe.filter import DockFilter, Look, State, take_together
 from seater_nmpc.observe.innovation import Fusion, Outcome
 from seater_nmpc.observe.measurement import Measurement
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.parameters import ObserverParameters
 
 Array = NDArray[np.float64]

@@ -15,7 +15,7 @@ from seater_nmpc.observe.acquisition import Series
 from seater_nmpc.observe.bank import FilterBank
 from seater_nmpc.observe.innovation import Fusion, Outcome
 from seater_nmpc.observe.measurement import Measurement, between, distance
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.parameters import ObserverParameters
 
 Array = NDArray[np.float64]

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.se2 import wrap_angle
-from seater_nmpc.observe.drift import SIZE, Drift, transitions
 from seater_nmpc.observe.innovation import Innovation, likeliest
 from seater_nmpc.observe.measurement import Measurement, difference
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.drift import SIZE, Drift, transitions
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.parameters import ObserverParameters
 
 Array = NDArray[np.float64]

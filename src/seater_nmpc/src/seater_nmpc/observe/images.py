@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from seater_nmpc.observe.innovation import Fusion, Innovation, Outcome
 from seater_nmpc.observe.measurement import Measurement, distance
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 from seater_nmpc.drive.prediction import CommandHistory
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import ObserverParameters
 
 # Normalised innovation squared from which on the motors plainly do something else: the odometry counts.

@@ -18,12 +18,14 @@ from seater_common.se2 import compose
 from seater_nmpc.observe.acquisition import Acquisition, Agreement, Series
 from seater_nmpc.observe.bank import SLIPS, FilterBank
 from seater_nmpc.observe.branches import Branches
-from seater_nmpc.observe.drift import Drift
 from seater_nmpc.observe.filter import State
 from seater_nmpc.observe.images import Images
 from seater_nmpc.observe.innovation import Fusion, Outcome
 from seater_nmpc.observe.measurement import Hypothesis, Measurement, apart, combine, mirrors, sd_of_place
-from seater_nmpc.observe.odometry import Instant, Odometry, OdometryBuffer
+from seater_nmpc.observe.odometry.buffer import OdometryBuffer
+from seater_nmpc.observe.odometry.drift import Drift
+from seater_nmpc.observe.odometry.instant import Instant
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.observe.offers import Offers
 from seater_nmpc.parameters import ObserverParameters
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from seater_common.geometry import CameraMount
 from seater_nmpc.observe.innovation import Outcome
 from seater_nmpc.observe.measurement import Hypothesis, Measurement, Planar, in_frame, project
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.parameters import ObserverParameters
 
 Array = NDArray[np.float64]

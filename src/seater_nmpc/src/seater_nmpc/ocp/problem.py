@@ -38,7 +38,7 @@ class Problem(ABC):
     def __init__(self, chair: Chair, parameters: ControlParameters, areas: Areas | None) -> None:
         """`areas` fixes how many prohibited areas there are (None: free space), not where they are."""
         self._chair, self._parameters = chair, parameters
-        self._N, self._steps = parameters.horizon, step_lengths(parameters)
+        self._steps = step_lengths(parameters)
         self._z: list[slice] = []
         self._u: list[slice] = []
         self._dynamics: list[int] = []  # rows of g in which the stages' dynamics begin

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from seater_common.se2 import relative, wrap_angles
 from seater_nmpc.observe.measurement import Measurement, between
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Contradiction, Kind
 

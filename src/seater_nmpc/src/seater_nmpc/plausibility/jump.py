@@ -17,7 +17,7 @@ from seater_common.se2 import compose, relative, wrap_angle
 from seater_nmpc.observe.images import Jump
 from seater_nmpc.observe.innovation import Innovation
 from seater_nmpc.observe.measurement import sd_of_place
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.parameters import PlausibilityParameters
 
 Array = NDArray[np.float64]

@@ -34,7 +34,7 @@ from seater_nmpc.control.command import Command
 from seater_nmpc.observe.innovation import Fusion
 from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.observer import DockEstimate
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.sequence.goal.results import Result, Step
 
 Array = NDArray[np.float64]

@@ -16,7 +16,7 @@ from seater_nmpc.control.controller import DockingController
 from seater_nmpc.observe.observer import DockObserver
 from seater_nmpc.parameters import NmpcParameters
 from seater_nmpc.plan.navigator import Navigator
-from seater_nmpc.plausibility.memory import Memory, mark_of
+from seater_nmpc.plausibility.installation.memory import Memory, mark_of
 from seater_nmpc.ros.camera import load_camera
 from seater_nmpc.sequence.docking_sequence import DockingSequence
 from seater_nmpc.sequence.shadow import Shadow

@@ -19,7 +19,7 @@ from seater_common.files.docks import DockEntry
 from seater_msgs.msg import MarkerDetectionArray, ObstacleArray
 from seater_nmpc.control.command import Command
 from seater_nmpc.observe.observer import DockEstimate
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.ros import conversions
 from seater_nmpc.ros.camera import info_topic, usable
 from seater_nmpc.ros.core import Core, CoreMaker, flag

@@ -26,32 +26,21 @@ from seater_nmpc.observe.innovation import Fusion
 from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.motion import MotionObserver
 from seater_nmpc.observe.observer import DockObserver
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import PlausibilityParameters, SequenceParameters
 from seater_nmpc.plan.navigator import Navigator
-from seater_nmpc.plausibility.knowledge import Knowledge
+from seater_nmpc.plausibility.installation.knowledge import Knowledge
 from seater_nmpc.plausibility.watch import Watch
+from seater_nmpc.sequence.conclusion import Conclusion
 from seater_nmpc.sequence.ends import Ends
 from seater_nmpc.sequence.goal.deadlines import Pause
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase, Result, ResultCode, Step
 from seater_nmpc.sequence.phases.context import STANDING, Context
 from seater_nmpc.sequence.phases.phases import Phases
-from seater_nmpc.sequence.report import make_result, make_step, standard_deviations
+from seater_nmpc.sequence.report import make_result, make_step
+from seater_nmpc.sequence.told import Told
 
-_KEPT = 0.25  # [s] of silence for which the safety gate keeps to the last request (its request_timeout, as shipped)
 _SLIPPING = 1.0  # of the observer: from here on wheels slip, and what the chair does says nothing of its motors
-# Ends at the dock: a wrong installation leads to each of them.
-_AT_THE_DOCK = (ResultCode.SUCCESS, ResultCode.NOT_WITHIN_TOLERANCE, ResultCode.FAILED_TO_CHARGE)
-# What ends the watch of the contact, and leaves the docked chair where it is.
-_LETS_DOCKED = (
-    ResultCode.CANCELED,
-    ResultCode.TIMEOUT,
-    ResultCode.STOPPED_BY_USER,
-    ResultCode.EMERGENCY_STOP,
-    ResultCode.GATE_LOST,
-    ResultCode.CLIENT_LOST,
-    ResultCode.CHARGING,
-)
 
 
 class DockingSequence:
@@ -87,11 +76,11 @@ class DockingSequence:
             require_contact=require_contact,
         )
         self._goal, self._phases = self._context.goal, Phases(self._context)
-        self._ends = Ends(self._context, self._watch)
+        self._conclusion = Conclusion(self._context, self._phases)
+        self._ends, self._told = Ends(self._context, self._watch), Told(controller.history, self._watch)
         self.active = False
         self._pause: Pause | None = None
         self._prior: tuple[ArrayLike | None, float] = (None, 0.0)
-        self._passed = self._asked = (-math.inf, STANDING)  # stamp [s] and command: the last that was sent, the newest
         self.held = False  # the safety gate lets nothing pass, as something is in the way: standing is no failure then
         self.held_by = ""  # that, in words
         self.unsure = ""  # why it is not known what is in the way, in words; empty: it is
@@ -138,6 +127,7 @@ class DockingSequence:
         self._parameters = self._context.parameters = parameters
         self._goal.timeouts = parameters.timeouts
         self._phases = Phases(self._context)
+        self._conclusion = Conclusion(self._context, self._phases)
 
     def cancel(self) -> None:
         """End the active goal with CANCELED in the next update."""
@@ -219,7 +209,7 @@ class DockingSequence:
             chair = self._ends.check(now)
             command = STANDING if chair is None else self._phases.command(chair)
         except GoalEnd as end:
-            return self._finish(now, *self._doubted(end))
+            return self._finish(now, *self._conclusion.of_phase(end))
         return self._step(now, command)
 
     @property
@@ -260,69 +250,30 @@ class DockingSequence:
         self._watch.begin(now)
 
     def _step(self, now: float, command: Command, result: Result | None = None) -> Step:
-        self._passed, self._asked = self._asked, (now, STANDING if self.held else command)
-        self._note(now, self._asked[1])
+        self._told.ask(now, STANDING if self.held else command)
         return self._report(now, command, result)
 
     def withhold(self, now: float) -> None:
         """The command of the last `update`, at message time `now` [s], was out of date and has not been sent: the one
         before acts on, until the safety gate brakes in the silence. A chair that stands then is not blocked."""
-        self._asked = self._passed
-        stamp, command = self._passed
-        self._note(now, command if now - stamp < _KEPT else STANDING)
-
-    def _note(self, now: float, acts: Command) -> None:
-        """What the motors are told from now on; some commands are the sequence's own."""
-        self._controller.history.sent(now, acts.v, acts.omega)
-        self._watch.asked(now, acts.v, acts.omega)
+        self._told.withhold(now)
 
     def _report(self, now: float, command: Command, result: Result | None = None) -> Step:
         return make_step(self._goal, now, self._dock, self.observer.estimate(), command, result)
 
     @property
     def installation(self) -> dict[str, tuple[float, float]]:
-        """What the last goal has found of the installation, see Watch.installation."""
-        return self._watch.installation
+        """What the last goal has found of the installation, see InstallationWatch.found."""
+        return self._watch.installation.found
 
     @property
     def knowledge(self) -> Knowledge:
         """Of the installation, by the dockings so far; may be set between goals."""
-        return self._watch.knowledge
+        return self._watch.installation.knowledge
 
     @knowledge.setter
     def knowledge(self, known: Knowledge) -> None:
-        self._watch.knowledge = known
-
-    @property
-    def _docking(self) -> bool:
-        return self._goal.phase is not Phase.UNDOCKING and not self._goal.staging
-
-    def _doubted(self, end: GoalEnd) -> tuple[ResultCode, str]:
-        """Code and text of a goal's end: of one at the dock, those of a wrong installation that shows, or of a dock
-        that has jumped in the images; not the latter where the contact says that the chair stands in it."""
-        if end.code not in _AT_THE_DOCK or not self._docking:
-            return end.code, end.text
-        doubt = self._watch.final() or (None if self._goal.contact else self._watch.jumped())
-        suspicion = self._watch.suspected() if end.code is ResultCode.SUCCESS else ""
-        hint = self._watch.hint() if end.code is ResultCode.FAILED_TO_CHARGE else ""
-        self._watch.learn(turned=self._phases.installation_shown)
-        if doubt is not None:
-            failed = "" if end.code is ResultCode.SUCCESS else f"{end.text}: "
-            return ResultCode[doubt.kind.name], failed + doubt.text
-        text = f"{end.text}, but {suspicion}" if suspicion else f"{end.text}: {hint}" if hint else end.text
-        unsure = self._watch.unsure(self._standard_deviations[0], checked=self._phases.installation_checked)
-        if end.code is ResultCode.SUCCESS and unsure and not self._goal.contact:
-            return ResultCode.NOT_CERTAIN, f"{text}, and {unsure}"
-        return end.code, text
-
-    @property
-    def _standard_deviations(self) -> tuple[float, float]:
-        """Of the final error [m, rad]; zero: it is not verified."""
-        covariance = self._goal.covariance
-        if covariance is None:
-            return 0.0, 0.0
-        final = self._watch.final_error(turned=self._phases.installation_shown)
-        return standard_deviations(covariance, self.observer.parameters, *final)
+        self._watch.installation.knowledge = known
 
     @property
     def staging(self) -> bool:
@@ -331,16 +282,11 @@ class DockingSequence:
 
     def _finish(self, now: float, code: ResultCode, text: str) -> Step:
         now = now if math.isfinite(now) else self._goal.now
-        if self._goal.phase is Phase.HOLDING and self._goal.contact and code in _LETS_DOCKED:
-            self._watch.learn(turned=self._phases.installation_shown)  # no phase has ended it, see `_doubted`
-            code, text = ResultCode.SUCCESS, f"docked; the watch of the contact ended: {text}"
-        failure = self._goal.failure
-        if failure is not None and failure.code is not code:
-            text = f"{text}, backing out after {failure.code.name} ({failure.text})"
+        code, text = self._conclusion.of_goal(code, text)
         self.active, self._pause = False, None
         self.observer.bound_reacquisition(False)
         self._controller.reset()
-        sds = self._standard_deviations
+        sds = self._conclusion.standard_deviations
         step = self._step(now, STANDING, make_result(self._goal, now, self._dock, code, text, sds))
         self._controller.history.clear()  # whoever drives from here on does not say
         return step

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.plausibility.watch import Watch
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import Context

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from seater_common.geometry import CameraMount, Chair, Dock
 from seater_common.se2 import compose, wrap_angle
 from seater_nmpc.control.command import Command
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 
 Array = NDArray[np.float64]
 

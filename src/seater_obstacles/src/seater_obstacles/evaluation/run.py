@@ -13,7 +13,7 @@ from seater_common.se2 import inverse, transform_points
 from seater_eval.judge.plant.camera import DockCamera
 from seater_eval.judge.plant.effects import Pictures
 from seater_nmpc.observe.observer import DockObserver
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.sequence.docking_sequence import DockingSequence
 from seater_nmpc.sequence.goal.results import Result, ResultCode
 from seater_obstacles.depth import DepthImages, cloud_sight

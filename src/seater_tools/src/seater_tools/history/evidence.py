@@ -1,6 +1,6 @@
 """What many dockings say of the installation together.
 
-Each docking estimates by how much mount and depths are off (seater_nmpc plausibility/installation.py), with the
+Each docking estimates by how much mount and depths are off (seater_nmpc plausibility/installation/), with the
 standard deviation that this estimate has where nothing is wrong; one docking is mostly sure to 10 mm only. The mean,
 weighted by the inverse variances, is surer; what all dockings have in common (floors, castors, a slope at this dock) it
 does not take away, which FLOOR stands for. The estimates lean to zero, so true values are larger than the mean.

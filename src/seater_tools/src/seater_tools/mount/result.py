@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.camera_model import CameraModel
-from seater_common.geometry import CameraMount, Dock
+from seater_common.geometry import Dock
 from seater_common.se2 import wrap_angle
 from seater_tools.mount.layout import FIRST_LENS, MARKER, MOUNT, ODOMETRY
 from seater_tools.mount.prior import Lengths
@@ -88,11 +88,6 @@ def judge(solution: Solution, dock: Dock, lengths: Lengths) -> Calibration:
         missing=_missing(mount, len(layout.ids)),
         notes=[*_held(), *_scale(lengths, scale_sd), *_contradicts(solution), *_leaning(rows), *_kept(markers)],
     )
-
-
-def mount_of(calibration: Calibration) -> CameraMount:
-    """The new one."""
-    return CameraMount(**{value.name: value.used for value in calibration.mount})
 
 
 def camera_of(solution: Solution) -> CameraModel:

@@ -54,7 +54,6 @@ SCRIPT: Script = (
     To(-0.5),
     To(-2.4),
 )
-STRAIGHTS: Script = (To(-0.9), To(-2.4), To(-0.9), To(-2.4))
 
 
 @dataclass(frozen=True)

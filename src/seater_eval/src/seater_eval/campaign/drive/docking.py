@@ -19,7 +19,7 @@ from seater_eval.campaign.drive.without_images import PoseSensor
 from seater_eval.campaign.setup.configuration import Configuration
 from seater_nmpc.observe.measurement import Hypothesis, MarkerSight
 from seater_nmpc.observe.observer import DockObserver
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import NmpcParameters
 from seater_nmpc.sequence.docking_sequence import DockingSequence
 from seater_nmpc.sequence.goal.results import Phase, Result

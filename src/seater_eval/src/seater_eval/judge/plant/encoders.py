@@ -9,7 +9,7 @@ import numpy as np
 
 from seater_eval.judge.plant.built import TRACK
 from seater_eval.judge.plant.effects import Encoders
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 
 _SHORTEST = 0.02  # [s] speeds are taken over at least so long: over 5 ms a tick would be 2 cm/s
 _EPSILON = 1e-9  # [s]

@@ -12,7 +12,7 @@ import numpy as np
 from seater_common.geometry import Marker, pose_matrix
 from seater_eval.judge.plant.chair import IndependentChair
 from seater_nmpc.observe.measurement import Hypothesis
-from seater_nmpc.observe.odometry import Odometry
+from seater_nmpc.observe.odometry.message import Odometry
 
 KINDS = {
     "frozen_images": "the last image again and again, under new stamps",

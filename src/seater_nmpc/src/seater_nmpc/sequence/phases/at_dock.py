@@ -9,14 +9,12 @@ from numpy.typing import NDArray
 
 from seater_common.se2 import inverse
 from seater_nmpc.control.command import Command
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import STANDING, Asked, Context
 from seater_nmpc.sequence.rest import way_on
-from seater_nmpc.sequence.rest.after_effects import AfterEffects
-from seater_nmpc.sequence.rest.correction import Verdict as Correction
-from seater_nmpc.sequence.rest.correction import is_off, judge, standing_dock, surely
-from seater_nmpc.sequence.rest.fine_move import FineMove
+from seater_nmpc.sequence.rest.correction import Correction, standing_dock
+from seater_nmpc.sequence.rest.small_moves import SmallMoves
 from seater_nmpc.sequence.rest.stops import Stops
 from seater_nmpc.sequence.rest.verification import Verdict, Verification, within
 
@@ -25,8 +23,6 @@ Array = NDArray[np.float64]
 _UNSEEN_IMAGES = 6  # times between two images
 _OVERSHOT = np.array([0.008, 0.006])  # [m, rad] beside where a stop was to end, from which on the next allows for it
 _UNSEEN = 2.0  # [s] that a standing chair waits at least for images before verification decides
-_EARLY = 3  # moves that may be made for a few millimetres
-_LEARNT = 4  # moves after which what the chair makes of them should be known
 _OPENED = 0.5  # [s] without contact: no mere bounce of it
 _VERDICTS = {
     Verdict.DOCKED: ResultCode.SUCCESS,
@@ -40,7 +36,8 @@ class AtDock:
     def __init__(self, context: Context) -> None:
         self._context = context
         self._phase, self._stops = context.goal.phase, Stops()
-        self._driven_on = self._moves = 0
+        self._moves = SmallMoves(context.chair.limits, context.controller.history, context.parameters)
+        self._driven_on = 0
         self.restart(context.goal.phase)
 
     def restart(self, phase: Phase) -> None:
@@ -54,10 +51,7 @@ class AtDock:
         self._closed = self._context.goal.now  # the contact, when it was so last
         if phase not in (Phase.STOPPING, Phase.CORRECTING, Phase.VERIFY):
             self._driven_on = self._driven_on if phase is Phase.FINAL else 0
-            self._moves = self._moves if self._driven_on else 0
-            self._fine_move: FineMove | None = None
-            self._moved_from: Array | None = None  # error before it
-            self._after_effects = AfterEffects()
+            self._moves.leave(back_soon=self._driven_on > 0)
 
     def stop(self, chair: Instant) -> Asked:
         """STOPPING: stand until enough images were taken at rest, then decide what is to be done."""
@@ -80,11 +74,12 @@ class AtDock:
         """CORRECTING: the small move, to its end."""
         c = self._context
         c.look(chair)
-        assert self._fine_move is not None  # set with the phase
-        asked = self._fine_move.speeds()
+        move = self._moves.move
+        assert move is not None  # set with the phase
+        asked = move.speeds()
         if asked is None:
             return Phase.STOPPING
-        self._stops.push(chair, asked[self._fine_move.turning])
+        self._stops.push(chair, asked[move.turning])
         return c.controller.move(chair.stamp, c.speeds(chair), *asked)
 
     def verify(self, chair: Instant) -> Asked:
@@ -139,30 +134,26 @@ class AtDock:
 
     def _needs_move(self) -> bool:
         """Whether verification shows, beyond doubt, what the few images before it did not."""
-        moves, goal = (Correction.TURN, Correction.MOVE), self._context.goal
-        error, covariance = goal.error, goal.covariance
+        error, covariance = self._context.goal.error, self._context.goal.covariance
         assert error is not None and covariance is not None  # verification has them
-        if judge(surely(error, covariance), self._moves, self._context.parameters) not in moves:
+        if not self._moves.are_surely_needed(error, covariance) or not self._choose(error).is_move:
             return False
-        if self._choose(error) not in moves:
-            return False
-        self._moves, self._moved_from = self._moves + 1, error
+        self._moves.begin(error)
         return True
 
     def _decide(self, error: Array) -> Phase:
         c, verdict = self._context, self._choose(error)
         last = c.goal.retries >= c.parameters.max_retries
-        in_vain = self._after_effects.are_in_vain(float(error[2]), c.parameters.release_position)
-        if verdict is Correction.TURN and in_vain and not last:
+        if verdict is Correction.TURN and self._moves.turn_in_vain(float(error[2])) and not last:
             verdict = Correction.AGAIN
         if verdict is not Correction.TURN and self._drives_on(error):
             return Phase.FINAL
         if verdict is Correction.STAY or (verdict is Correction.AGAIN and last and within(error, c.dock.tolerance)):
             return Phase.VERIFY
         if verdict is Correction.AGAIN:
-            why = self._stops.roll.in_words + self._after_effects.in_words
+            why = self._stops.roll.in_words + self._moves.in_words
             return c.try_again(ResultCode.NOT_WITHIN_TOLERANCE, "stands beside the dock" + why)
-        self._moves, self._moved_from = self._moves + 1, error
+        self._moves.begin(error)
         return Phase.CORRECTING
 
     def _drives_on(self, error: Array) -> bool:
@@ -178,35 +169,4 @@ class AtDock:
         return True
 
     def _choose(self, error: Array) -> Correction:
-        """What is to be done; `_fine_move` is the move, if one is."""
-        p, before, effects = self._context.parameters, self._fine_move, self._after_effects
-        effects.roll = self._stops.roll
-        if before is not None and self._moved_from is not None:
-            effects.learn(before.turning, self._moved_from, error)
-            self._moved_from = None
-        if effects.shifts(p.hold_position):  # a turn costs another push or two: only where it must be
-            p = replace(p, hold_heading=max(p.hold_heading, p.release_heading))
-        use = {"turn": True, "move": True}
-        while True:
-            pushed = use["move"] and self._moves < p.max_moves and is_off(float(error[0]), p)
-            turn = effects.turn_of_push(float(error[0])) if pushed else 0.0
-            verdict = judge(error + [0.0, 0.0, turn], self._moves, p, **use)
-            if verdict not in (Correction.TURN, Correction.MOVE):
-                return verdict
-            move = self._move(error, verdict is Correction.TURN, before)
-            if move.is_worthwhile:
-                self._fine_move = move
-                return verdict
-            use["turn" if verdict is Correction.TURN else "move"] = False
-
-    def _move(self, error: Array, turning: bool, before: FineMove | None) -> FineMove:
-        """A turn leaves what the push after it will turn."""
-        c, after = self._context, float(error[0]) + self._after_effects.way_per_turn
-        leave = -self._after_effects.turn_of_push(after) if turning and is_off(after, c.parameters) else 0.0
-        drive, limits, period = c.controller.history.drive, c.chair.limits, c.controller.period
-        p = c.parameters
-        off = abs(error[2]) > p.release_heading if turning else abs(error[0]) > p.release_position
-        must, early = bool(off) and self._moves < _LEARNT, self._moves < _EARLY
-        return FineMove(
-            error, turning, drive, limits, period, before, roll=self._stops.roll, leave=leave, must=must, early=early
-        )
+        return self._moves.choose(error, self._stops.roll, self._context.controller.period)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from seater_common.se2 import relative
 from seater_common.separation import edge_distances, footprints
 from seater_nmpc.control.command import Command
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.plan.corridor import Corridor
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import IMAGES_THAT_MAY_FAIL, STANDING, Asked, Context

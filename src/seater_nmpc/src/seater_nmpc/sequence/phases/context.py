@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import relative
 from seater_nmpc.control.command import Command
-from seater_nmpc.control.controller import DockingController, Target
+from seater_nmpc.control.controller import DockingController
+from seater_nmpc.control.target import Target
 from seater_nmpc.observe.motion import MotionObserver
 from seater_nmpc.observe.observer import DockEstimate, DockObserver
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.parameters import SequenceParameters
 from seater_nmpc.plan.navigator import Navigator
 from seater_nmpc.plausibility.watch import Watch
@@ -120,7 +121,7 @@ class Context:
     def try_again(self, code: ResultCode, why: str) -> Phase:
         """The chair backs out for another attempt; where none is left, the goal is given up with this code, and at once
         where the installation is surely wrong: another attempt would end beside the dock as well."""
-        doubt = None if self.goal.staging else self.watch.final()
+        doubt = None if self.goal.staging else self.watch.installation.final()
         if doubt is not None:
             return self.give_up(ResultCode[doubt.kind.name], f"{why}: {doubt.text}")
         if self.goal.retries >= self.parameters.max_retries:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from seater_common.se2 import relative
 from seater_nmpc.observe.observer import DockEstimate
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.plan.front import Front
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import IMAGES_THAT_MAY_FAIL, STANDING, Asked, Context

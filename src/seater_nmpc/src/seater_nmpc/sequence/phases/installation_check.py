@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.sight import Sight
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import Asked, Context
 from seater_nmpc.sequence.phases.swing import Swing
@@ -61,11 +61,12 @@ class InstallationCheck:
             return False
         if c.goal.now > c.goal.deadlines.half:
             return False
-        if c.watch.begun != self._begun:  # the dock was another one, or lost: what was turned before shows nothing
+        begun = c.watch.installation.begun
+        if begun != self._begun:  # the dock was another one, or lost: what was turned before shows nothing
             self._forgotten = self._forgotten or turned > 0
-            self._turned, self._begun, turned, self._swings = [], c.watch.begun, 0, 0
+            self._turned, self._begun, turned, self._swings = [], begun, 0, 0
         # The contact says it better.
-        known = c.require_contact or c.watch.doubt(turned=turned > 0) <= p.installation_doubt
+        known = c.require_contact or c.watch.installation.doubt(turned=turned > 0) <= p.installation_doubt
         begins = turned == 0 and p.installation_check == "always"
         if known and turned != 1 and not begins:
             return False
@@ -113,7 +114,7 @@ class InstallationCheck:
         """A chair whose installation is surely wrong does not drive into the bay. Raises GoalEnd."""
         self._context.controller.reset()
         self._swings += 1
-        wrong = self._context.watch.final()
+        wrong = self._context.watch.installation.final()
         if wrong is not None:
             raise GoalEnd(ResultCode[wrong.kind.name], f"turned in front of the dock: {wrong.text}")
         return Phase.APPROACH

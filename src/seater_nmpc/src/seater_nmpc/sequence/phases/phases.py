@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from seater_nmpc.control.command import Command
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.sequence.goal.results import Phase
 from seater_nmpc.sequence.phases.at_dock import AtDock
 from seater_nmpc.sequence.phases.caution import Caution

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.sequence.goal.results import GoalEnd, ResultCode
 from seater_nmpc.sequence.phases.context import STANDING, Asked, Context
 from seater_nmpc.sequence.phases.way_out import WayOut

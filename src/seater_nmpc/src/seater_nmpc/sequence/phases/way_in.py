@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from seater_common.se2 import compose
 from seater_nmpc.control.command import Command
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.plan.corridor import Corridor, room_beyond, straight_in
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import STANDING, Asked, Context
@@ -94,7 +94,7 @@ class WayIn:
         c = self._context
         if c.goal.staging or error[0] > self._mouth:
             return
-        wrong = c.watch.walls()
+        wrong = c.watch.installation.walls()
         if wrong is not None:
             raise GoalEnd(ResultCode[wrong.kind.name], f"in front of the bay: {wrong.text}")
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from seater_common.se2 import relative
 from seater_nmpc.control.command import Command
-from seater_nmpc.control.controller import Target
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.control.target import Target
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.plan.way_back import WayBack
 from seater_nmpc.sequence.goal.results import GoalEnd, ResultCode
 from seater_nmpc.sequence.phases.context import ARRIVED_SPEED, STANDING, Context

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from seater_common.se2 import inverse
 from seater_nmpc.observe.measurement import Measurement, combine, in_frame
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.parameters import SequenceParameters
 
 Array = NDArray[np.float64]
@@ -22,13 +22,18 @@ _LEAST_DOUBT = np.array([0.001, 0.001, 0.002])  # [m, m, rad]: less is not worth
 _LARGEST_TURN = 0.12  # [rad] beyond that a turn on the spot may bring a corner to a wall
 
 
-class Verdict(Enum):
+class Correction(Enum):
     """What is to be done."""
 
     STAY = 0
     TURN = 1
     MOVE = 2  # forward or backward
     AGAIN = 3
+
+    @property
+    def is_move(self) -> bool:
+        """Whether it is a small move."""
+        return self in (Correction.TURN, Correction.MOVE)
 
 
 def standing_dock(fresh: Fresh) -> Array:
@@ -52,7 +57,9 @@ def surely(error: Array, covariance: Array) -> Array:
     return np.asarray(np.sign(error) * np.maximum(np.abs(error) - doubt, 0.0))
 
 
-def judge(error: Array, moves: int, parameters: SequenceParameters, *, turn: bool = True, move: bool = True) -> Verdict:
+def judge(
+    error: Array, moves: int, parameters: SequenceParameters, *, turn: bool = True, move: bool = True
+) -> Correction:
     """Of a standing chair at `error` (3,) from the dock, after so many small moves.
 
     `turn`, `move`: whether that would be of use.
@@ -62,13 +69,13 @@ def judge(error: Array, moves: int, parameters: SequenceParameters, *, turn: boo
     p = parameters
     x, y, heading = (abs(float(value)) for value in error)
     if y > p.release_position or heading > _LARGEST_TURN:
-        return Verdict.AGAIN
+        return Correction.AGAIN
     # Castors that a turn has swung out push on the same way when it drives on; on a slope the chair rolls on.
     off = error[0] < -p.hold_position or error[0] > p.release_position
     if turn and moves < p.max_moves and heading > p.hold_heading and not (off and move and moves > 0):
-        return Verdict.TURN
+        return Correction.TURN
     near = math.hypot(x, y) <= p.release_position
     if move and moves < p.max_moves and (is_off(float(error[0]), p) or (not near and error[0] > 0.0)):
-        return Verdict.MOVE
+        return Correction.MOVE
     inside = near and heading <= p.release_heading
-    return Verdict.STAY if inside else Verdict.AGAIN
+    return Correction.STAY if inside else Correction.AGAIN

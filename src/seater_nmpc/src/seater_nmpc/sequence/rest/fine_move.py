@@ -1,7 +1,7 @@
 """The last correction, if one is needed: one small deliberate move, straight or turning on the spot.
 
 It is timed, as it is over before odometry or images could steer it: of all pushes with one command for some cycles,
-that is chosen which leaves least on average over what is known of the chair (move_response.py).
+that is chosen which leaves least on average over what is known of the chair (push_response.py).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from seater_common.geometry import Limits
 from seater_nmpc.drive.axis import AxisDrive, ChairDrive
-from seater_nmpc.sequence.rest.move_response import MoveResponse
+from seater_nmpc.sequence.rest.push_response import PushResponse
 from seater_nmpc.sequence.rest.roll import Roll
 
 Array = NDArray[np.float64]
@@ -32,7 +32,7 @@ _AHEAD = 1.5
 _AGAINST = 4.5
 _LEVELS = 24  # commands that are compared
 
-Learned = dict[tuple[bool, bool], MoveResponse]  # by (turning, error was positive)
+Learned = dict[tuple[bool, bool], PushResponse]  # by (turning, error was positive)
 
 
 class FineMove:
@@ -70,7 +70,7 @@ class FineMove:
         key = (turning, self._wanted > 0.0)
         if key not in self._learned:
             other = self._learned.get((turning, not key[1]))
-            self._learned[key] = MoveResponse(turning, self._axis, lag, other)
+            self._learned[key] = PushResponse(turning, self._axis, lag, other)
         self._response = self._learned[key]
         self._response.saw(roll, -math.copysign(1.0, self._wanted))
         ahead = not turning and self._wanted < 0.0

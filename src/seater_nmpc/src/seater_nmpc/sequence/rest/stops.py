@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seater_nmpc.drive.prediction import CommandHistory
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.sequence.rest.roll import Belief, Roll, RollWatch
 
 Array = NDArray[np.float64]

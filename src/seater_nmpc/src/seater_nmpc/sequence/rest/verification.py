@@ -11,7 +11,7 @@ from seater_common.geometry import Dock, Tolerance
 from seater_common.se2 import compose, inverse, relative
 from seater_nmpc.observe.measurement import difference, in_frame
 from seater_nmpc.observe.observer import DockObserver
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.parameters import SequenceParameters
 from seater_nmpc.sequence.rest.correction import Fresh, standing_measurement
 

@@ -80,10 +80,6 @@ class Scene:
         for values in (self.files[role].values, self.told[role]):
             change(values)
 
-    def edit_file(self, role: str, **changes: Any) -> None:
-        """Replace fields of FileSeen."""
-        self.files[role] = dataclasses.replace(self.files[role], **changes)
-
 
 def draw_scene(config: Path, seed: int) -> Scene:
     """A good installation: another chair, start, camera and dock for each seed, within what measuring leaves.

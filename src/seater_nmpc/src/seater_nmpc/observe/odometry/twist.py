@@ -7,12 +7,12 @@ as coarse as the encoders, so they are used only where the twist contradicts the
 from __future__ import annotations
 
 from collections import deque
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seater_common.se2 import relative
+from seater_nmpc.observe.odometry.message import Odometry
 
 Array = NDArray[np.float64]
 
@@ -23,29 +23,15 @@ _MOVING = 3.0  # times the tolerance: slower than that, agreement proves nothing
 _DISTRUST, _TRUST = 0.4, 2.0  # [s] of contradiction after which the poses count; of agreement until the twist does
 
 
-class _Message(Protocol):
-    @property
-    def stamp(self) -> float: ...
-
-    @property
-    def pose(self) -> Array: ...
-
-    @property
-    def v(self) -> float: ...
-
-    @property
-    def omega(self) -> float: ...
-
-
 class TwistCheck:
     """Feed it each message that is finite and newer than the last one."""
 
     def __init__(self) -> None:
-        self._messages: deque[_Message] = deque()
+        self._messages: deque[Odometry] = deque()
         self._wrong = [False, False]
         self._since: list[float | None] = [None, None]  # since when twist and poses say otherwise than `_wrong`
 
-    def speeds(self, message: _Message) -> tuple[float, float]:
+    def speeds(self, message: Odometry) -> tuple[float, float]:
         """(v [m/s], omega [rad/s]) to be used for this message."""
         reported = (message.v, message.omega)
         driven = self._driven(message)
@@ -56,7 +42,7 @@ class TwistCheck:
         v, omega = (d if wrong else r for r, d, wrong in zip(reported, driven, self._wrong, strict=True))
         return v, omega
 
-    def _driven(self, message: _Message) -> tuple[float, float] | None:
+    def _driven(self, message: Odometry) -> tuple[float, float] | None:
         """Mean speeds from the poses of the window."""
         messages = self._messages
         messages.append(message)

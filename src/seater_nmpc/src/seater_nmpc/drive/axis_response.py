@@ -42,7 +42,7 @@ class Expected:
     noise: float  # standard deviation of a speed averaged over a window
 
 
-class ResponseEstimator:
+class AxisResponseEstimator:
     """Of one axis. Feed it what was commanded and what was measured; `drive` is the deadband that is believed in."""
 
     def __init__(self, configured: AxisDrive, delay: float, lag: float, expected: Expected) -> None:

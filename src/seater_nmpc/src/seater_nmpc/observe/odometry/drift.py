@@ -8,7 +8,7 @@ from the chair where it is, moves in odom by the first and swings round it by th
 
     dD = c (e_s ds' + n_s) + w (e_t dt' + e_d ds' + b dT + n_t),   w = (y - D_y, D_x - x, 1) = A (1, x, y)'.
 
-Summed up over a way (odometry.Travel) that is exact in first order however long the way is. No chair goes quite where
+Summed up over a way (travel.py) that is exact in first order however long the way is. No chair goes quite where
 its wheels point (castors push it sideways, the axle is not where it is thought to be): across the way there is noise of
 variance side_noise^2 |s|, too, of which the odometry says nothing.
 
@@ -25,7 +25,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_nmpc.observe.odometry import Instant
+from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.parameters import ObserverParameters
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from seater_common.geometry import Limits
 from seater_nmpc.drive.prediction import CommandHistory
-from seater_nmpc.observe.odometry import OdometryBuffer
+from seater_nmpc.observe.odometry.buffer import OdometryBuffer
 from seater_nmpc.parameters import PlausibilityParameters
 from seater_nmpc.plausibility.contradiction import Contradiction, Kind
 from seater_nmpc.plausibility.slowing import Slowing
@@ -41,7 +41,7 @@ class _Asked:
     speeds: Speeds
 
 
-class Response:
+class Obedience:
     """Tell it what is asked for in each cycle, and `check`."""
 
     def __init__(self, history: CommandHistory, limits: Limits, parameters: PlausibilityParameters) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from seater_nmpc.drive.axis import AxisDrive
-from seater_nmpc.drive.response import Expected, ResponseEstimator
+from seater_nmpc.drive.axis_response import AxisResponseEstimator, Expected
 
 TURNING = Expected(widths=(0.01, 0.02, 0.03, 0.05, 0.085), typical=0.04, noise=0.012)
 CYCLE, MESSAGE, PIECES = 0.05, 0.02, 4  # [s] between commands and between measurements; pieces of a simulated message
@@ -54,8 +54,8 @@ def believed_times(estimator) -> tuple[float, float]:
     return estimator.delays[delay], estimator.lags[int(np.argmin(estimator.lag_costs(delay)))]
 
 
-def typical() -> ResponseEstimator:
-    return ResponseEstimator(AxisDrive(), 0.15, 0.2, TURNING)
+def typical() -> AxisResponseEstimator:
+    return AxisResponseEstimator(AxisDrive(), 0.15, 0.2, TURNING)
 
 
 @pytest.mark.parametrize("offset", [False, True], ids=["jump", "offset"])
@@ -95,14 +95,14 @@ def test_a_chair_that_follows_slowly_is_learned() -> None:
 
 
 def test_the_times_of_a_quick_axis_are_learned_within_five_seconds() -> None:
-    estimator = ResponseEstimator(AxisDrive(), 0.3, 0.4, TURNING)
+    estimator = AxisResponseEstimator(AxisDrive(), 0.3, 0.4, TURNING)
     respond(estimator, AxisDrive(), swings, seconds=5.0)
     assert believed_times(estimator) == pytest.approx((0.25, 0.28)) and is_like(estimator.drive, AxisDrive())
 
 
 def test_bumps_and_castors_change_no_belief() -> None:
     """A push of 0.3 rad/s for 0.15 s every two seconds, on an axis that is as configured."""
-    estimator = ResponseEstimator(AxisDrive(), DELAY, LAG, TURNING)
+    estimator = AxisResponseEstimator(AxisDrive(), DELAY, LAG, TURNING)
     beliefs = respond(estimator, AxisDrive(), swings, bumps=lambda t: 0.3 if t % 2.0 < 0.15 else 0.0)
     assert all(is_like(drive, AxisDrive(), 0.08) for drive in beliefs) and believed_times(estimator) == (DELAY, LAG)
 
@@ -140,7 +140,7 @@ def test_what_says_little_counts_little() -> None:
 
 def test_what_is_expected_is_the_mean_over_the_time_between_two_measurements() -> None:
     """A step to 0.4 rad/s behind a lag of 0.2 s, over its first 0.1 s: 0.4 (1 - 2 (1 - exp(-0.5)))."""
-    estimator = ResponseEstimator(AxisDrive(), 0.0, 0.2, TURNING)
+    estimator = AxisResponseEstimator(AxisDrive(), 0.0, 0.2, TURNING)
     estimator.add(0.0, 0.1, lambda start, end: 0.4, 0.4 * (1.0 - 2.0 * (1.0 - math.exp(-0.5))), weight=1.0)
     assert estimator.difference() == pytest.approx(0.0, abs=1e-12)
 
@@ -149,8 +149,8 @@ def test_while_a_command_changes_an_unknown_delay_is_no_chair_that_turns_by_itse
     """A swinging command that acts 0.1 s later than thought: the first differences may be that. A steady turn of 0.05
     rad/s more than commanded is none of it."""
     late, turning = (
-        ResponseEstimator(AxisDrive(), 0.15, 0.2, TURNING),
-        ResponseEstimator(AxisDrive(), 0.15, 0.2, TURNING),
+        AxisResponseEstimator(AxisDrive(), 0.15, 0.2, TURNING),
+        AxisResponseEstimator(AxisDrive(), 0.15, 0.2, TURNING),
     )
     differences = []
     for k in range(15):

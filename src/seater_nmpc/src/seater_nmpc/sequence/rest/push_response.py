@@ -39,10 +39,10 @@ _TOO_FAR = 3.0  # weight
 _FORGOTTEN = 0.3  # of what was learned, when the castors have turned since
 
 
-class MoveResponse:
+class PushResponse:
     """Of one axis (`turning` or straight) in one direction."""
 
-    def __init__(self, turning: bool, drive: AxisDrive, lag: float, other: MoveResponse | None = None) -> None:
+    def __init__(self, turning: bool, drive: AxisDrive, lag: float, other: PushResponse | None = None) -> None:
         """Before anything was tried, by what `drive` is known to do. `lag`: of the motors [s]. `other`: the same axis
         the other way; where the chair rolls, it rolls that way whichever way it is pushed."""
         self._hold = Roll().hold

@@ -16,7 +16,7 @@ import yaml
 from seater_common.camera_model import CameraModel
 from seater_common.files.whole import write_whole
 from seater_common.geometry import Chair, Dock
-from seater_nmpc.plausibility.knowledge import PRIOR, Knowledge, nothing_known
+from seater_nmpc.plausibility.installation.knowledge import PRIOR, Knowledge, nothing_known
 
 _HEAD = b"# Written by the docking node: what its dockings have shown of the installation. Delete it to begin anew.\n"
 _LARGEST = 1.0  # [m, rad, share] of a value
