@@ -53,7 +53,7 @@ def test_pages_that_the_code_mentions_exist() -> None:
         "src/**/*.h",
         "src/**/*.cpp",
         "src/**/*.launch",
-        "src/*/nodes/*",
+        "src/*/nodes/**/*",
         "src/*/evaluation/*",
         "tools/*",
         "config/**/*.yaml",

@@ -31,7 +31,7 @@ def pinned() -> set[str]:
 def imports(package: Path) -> dict[str, Path]:
     """Top-level modules that production code imports, each with a file that does."""
     found: dict[str, Path] = {}
-    programs = [*package.glob("nodes/*"), *(f for f in package.glob("evaluation/*") if f.suffix == "")]
+    programs = [*package.glob("nodes/**/*"), *(f for f in package.glob("evaluation/*") if f.suffix == "")]
     files = [*package.glob("src/**/*.py"), *(f for f in programs if f.is_file())]
     for path in files:
         for node in ast.walk(ast.parse(path.read_text())):

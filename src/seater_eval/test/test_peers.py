@@ -102,7 +102,13 @@ def test_every_peer_has_its_maker_and_its_dictionaries(folder: Path) -> None:
     ],
 )
 def test_commands_name_a_folder_without_peers(command: str, tmp_path: Path) -> None:
-    words = [sys.executable, str(ROOT / "src/seater_eval/nodes" / command), "--quick", "--config", str(ROOT / "config")]
+    words = [
+        sys.executable,
+        str(ROOT / "src/seater_eval/nodes/perception" / command),
+        "--quick",
+        "--config",
+        str(ROOT / "config"),
+    ]
     if command == "perception_photographs":
         (tmp_path / "truth.json").write_text(NO_MARKERS)
         cv2.imwrite(str(tmp_path / "00.png"), np.zeros((48, 64), np.uint8))

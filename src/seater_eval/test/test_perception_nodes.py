@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
-NODES = Path(__file__).resolve().parents[1] / "nodes"
+NODES = Path(__file__).resolve().parents[1] / "nodes" / "perception"
 
 
 def run(command: str, results: Path, *options: str, config: Path = ROOT / "config") -> subprocess.CompletedProcess[str]:

@@ -232,7 +232,7 @@ def test_command_on_a_drawn_photograph(tmp_path: Path) -> None:
     truth = json.loads((tmp_path / "truth.json").read_text())
     truth["images"]["00.png"]["markers"].append({"id": 44, "center": [50.0, 50.0], "side": 40.0})
     (tmp_path / "truth.json").write_text(json.dumps(truth))
-    words = [sys.executable, str(ROOT / "src/seater_eval/nodes/perception_photographs"), str(tmp_path)]
+    words = [sys.executable, str(ROOT / "src/seater_eval/nodes/perception/perception_photographs"), str(tmp_path)]
     options = ["--config", str(ROOT / "config"), "--results", str(tmp_path / "results")]
     ended = subprocess.run([*words, *options], capture_output=True, text=True, timeout=120)
     assert ended.returncode == 1, ended.stderr  # recall is 10 of 11
