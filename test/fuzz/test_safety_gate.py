@@ -54,6 +54,7 @@ GOOD: dict[str, Callable[[], Any]] = {
     "odom": Odometry,
     "motor_fault": lambda: MotorFault(state=GateState.RUNAWAY, reason="told"),
     "obstacle_points": lambda: points("scan"),
+    "bay_walls": lambda: points("bay"),
 }
 
 

@@ -20,10 +20,10 @@ from seater_common.se2 import arc_step, compose, inverse, wrap_angle
 from seater_eval.control.campaign_run import draw_start
 from seater_eval.control.pose_noise import DockSensor
 from seater_eval.run.setup_files import Setup, load_setup
-from seater_nmpc.observe import odometry
 from seater_nmpc.observe.innovation import Outcome
 from seater_nmpc.observe.measurement import difference
 from seater_nmpc.observe.observer import DockObserver
+from seater_nmpc.observe.odometry.message import Odometry as OdometryMessage
 from seater_nmpc.parameters import ObserverParameters
 from seater_sim.chair.odometry import Odometry
 from seater_sim.settings import NANOSECONDS
@@ -100,7 +100,7 @@ def nees(setup: Setup, sensor: DockSensor, parameters: ObserverParameters, seed:
     for k, (way, turn) in enumerate(run.motions, start=1):
         now, period = k * STEP, round(STEP * NANOSECONDS)
         sample = wheels.update(way, turn, period, k * period)
-        observer.add_odometry(odometry.Odometry(now, sample.pose, sample.v, sample.omega))
+        observer.add_odometry(OdometryMessage(now, sample.pose, sample.v, sample.omega))
         while arrival <= now:
             before = math.floor(stamp / STEP)
             at = arc_step(run.poses[before], *run.motions[before], stamp / STEP - before)

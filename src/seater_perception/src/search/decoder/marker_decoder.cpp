@@ -20,8 +20,8 @@ constexpr int kGlareLevel = 4;          // template blur level for that
 constexpr double kClearlyBetter = 0.2;  // of correlation: a code so much less likely than the best is not
 constexpr double kWorthFitting = 0.5;   // correlation before the fit
 constexpr double kPerhapsCode = 0.7;    // part explained by a rough fit
-// What true markers and images without markers reach: the table "Evidence of a code" in docs/results/false_finds.md, and
-// perception_range (false detections, far end).
+// What true markers and images without markers reach: the table "Evidence of a code" in docs/results/false_finds.md,
+// and perception_range (false detections, far end).
 constexpr double kSmallestMargin = 0.045;  // of correlation, over the next best code
 constexpr double kLargestBitError = 0.9;   // of what turns a bit round: at 1 it would read as its opposite
 // Prints cut close on a grey wall (plain_markers_test: down to 0.4 of the contrast below white) or on a white one. The
