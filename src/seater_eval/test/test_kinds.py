@@ -11,10 +11,12 @@ import pytest
 
 from seater_eval.kinds import cameras, evaluate
 from seater_eval.kinds.cameras import KINDS, OPTICS, photograph
-from seater_eval.kinds.evaluate import DICTIONARIES, OPENCV, SEATER, KindJob, look, scene
+from seater_eval.kinds.evaluate import DICTIONARIES, KindJob, look, scene
 from seater_eval.kinds.report import describe_kinds, draw_kinds, kind_bars
 from seater_eval.perception.images.render import corners_of
+from seater_eval.photographs.detectors import OPENCV, SEATER, Found
 from seater_eval.photographs.evaluate import read_parameters
+from seater_eval.photographs.measures import match
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 PARAMETERS = read_parameters(CONFIG)
@@ -73,11 +75,13 @@ def test_each_kind_is_found_with_poses_that_their_covariances_cover(kind: str) -
     assert np.mean(seen.errors) < 12.0 and seen.wrong == 0
 
 
-def test_what_is_elsewhere_or_not_there_is_false(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_elsewhere_or_not_there_is_false() -> None:
     prints, _ = scene(job("ideal"))
     here = corners_of(prints[0], OPTICS.K)
-    finds = [(prints[0].id, here + 30.0), (prints[0].id, here), (prints[0].id, here), (77, here)]
-    assert evaluate._right(prints, finds) == [1]
+    places = [(prints[0].id, here + 30.0), (prints[0].id, here), (prints[0].id, here), (77, here)]
+    finds = [Found(id=i, corners=corners) for i, corners in places]
+    matched = match(evaluate._known(job("ideal"), prints)[0], finds)
+    assert list(matched.found.values()) == [finds[1]] and len(matched.false) == 3
 
 
 def rows(found: dict[str, int], errors: float = 6.0, wrong: int = 0, **changes: int) -> dict[str, Any]:

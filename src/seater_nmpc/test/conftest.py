@@ -161,3 +161,20 @@ def make_world(quick_controller: DockingController, navigator: Navigator) -> Cal
         return World(sequence, chair, dock, truth, **settings)  # type: ignore[arg-type]
 
     return make
+
+
+class Sent(list):
+    """What a publisher was given."""
+
+    def publish(self, message: object) -> None:
+        self.append(message)
+
+
+@pytest.fixture
+def sent(monkeypatch: pytest.MonkeyPatch) -> Sent:
+    """Of the publisher that the test makes."""
+    import rospy
+
+    sent = Sent()
+    monkeypatch.setattr(rospy, "Publisher", lambda *_, **__: sent)
+    return sent

@@ -5,25 +5,13 @@ import math
 import numpy as np
 import pytest
 import rospy
+from conftest import Sent
 
 from seater_common.geometry import Bay, Chair, Dock
 from seater_common.se2 import relative, transform_points
-from seater_nmpc.ros.docks import walls
 from seater_nmpc.ros.docks.walls import SPACING, BayWalls, wall_points
 
 DOCK = (2.0, 0.5, 0.3)  # in odom
-
-
-class Sent(list):
-    def publish(self, message: object) -> None:
-        self.append(message)
-
-
-@pytest.fixture
-def sent(monkeypatch: pytest.MonkeyPatch) -> Sent:
-    sent = Sent()
-    monkeypatch.setattr(walls.rospy, "Publisher", lambda *_, **__: sent)
-    return sent
 
 
 @pytest.mark.parametrize("base", [DOCK, (1.5, 0.3, 0.4)])

@@ -1,25 +1,12 @@
 """The docking node tells the gate where to be slow: at once when it changes, and again and again."""
 
-import pytest
 import rospy
+from conftest import Sent
 
 from seater_common.geometry import Chair, Dock
-from seater_nmpc.ros import speed_zone
 from seater_nmpc.ros.speed_zone import SpeedZone
 
 FAR, IN_BAY, DOCK = (0.0, 0.0, 0.0), (1.9, 0.0, 0.0), (2.0, 0.0, 0.0)  # in odom
-
-
-class Sent(list):
-    def publish(self, message: object) -> None:
-        self.append(message)
-
-
-@pytest.fixture
-def sent(monkeypatch: pytest.MonkeyPatch) -> Sent:
-    sent = Sent()
-    monkeypatch.setattr(speed_zone.rospy, "Publisher", lambda *_, **__: sent)
-    return sent
 
 
 def test_it_tells_changes_at_once_and_repeats_itself(sent: Sent) -> None:

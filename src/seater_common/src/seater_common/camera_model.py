@@ -42,7 +42,7 @@ class CameraModel:
     K: Array  # (3, 3), raw image
     R: Array  # (3, 3), rectification
     P: Array  # (3, 4), rectified image; all 0: not known
-    covariance: Array | None = None  # of (fx, fy, cx, cy [px], D), of the calibration; None: not known
+    covariance: Array | None = None  # of `parameters`, as the calibration has it; None: not known
     distorted: bool = field(init=False)  # whether the lens bends straight lines
 
     def __post_init__(self) -> None:
@@ -80,6 +80,17 @@ class CameraModel:
             P=_matrix(values, "projection_matrix", (3, 4), prefix, np.zeros((3, 4))),
             covariance=_covariance(values, 4 + len(D), prefix),
         )
+
+    @property
+    def parameters(self) -> Array:
+        """(4 + coefficients,): fx, fy, cx, cy [px], D."""
+        return np.array([self.K[0, 0], self.K[1, 1], self.K[0, 2], self.K[1, 2], *self.D])
+
+    def with_parameters(self, values: Array) -> CameraModel:
+        """The same with these, in the raw image."""
+        K = self.K.copy()
+        K[0, 0], K[1, 1], K[0, 2], K[1, 2] = values[:4]
+        return replace(self, K=K, D=np.array(values[4:]))
 
     def project(self, points: Array) -> Array:
         """Pixels (n, 2) of points (n, 3) [m] in the optical frame, all with z > 0."""

@@ -11,29 +11,24 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-import seater_perception as sp
-from seater_common.params import ParameterError
 from seater_eval.kinds.cameras import KINDS, OPTICS, photograph
-from seater_eval.peers.process import peer_process, peers_for
+from seater_eval.peers.process import peers_for
 from seater_eval.perception.images.render import Print, corners_of
 from seater_eval.perception.images.scenes import normal_error, normalised_error_squared, pose_error
-from seater_eval.perception.peers import make_peer
+from seater_eval.photographs.detectors import OPENCV, SEATER, make_detector
+from seater_eval.photographs.measures import CERTAIN, WRONG_BRANCH, match
+from seater_eval.photographs.truth import KnownMarker, Photograph, PhotographFolder
 from seater_eval.run.parallel import job_seed, run_jobs
 
 Array = NDArray[np.float64]
-Finds = list[tuple[int, Array]]  # id, corners (4, 2) [px]
 
-SEATER, OPENCV = "seater", "opencv_default"
 DICTIONARIES = ("DICT_4X4_50", "DICT_6X6_250", "DICT_APRILTAG_36h11")
 SIDES = (18.0, 22.0, 27.0, 33.0, 40.0, 49.0, 60.0)  # [px]
 SHIFTS = (0.0, 0.1, 0.2, 0.3)  # [px]
-SIZE = 0.1  # [m]
+SIZE = 1.0  # of a print: poses count in sides, as of photographs
 COLUMNS, ROWS = (90.0, 243.0, 396.0, 549.0), (80.0, 240.0, 400.0)  # [px] where markers are, about
 TILT = (math.radians(8.0), math.radians(45.0))  # of a print, from the line of sight
 TURN = 0.3  # [rad] at most, in its plane
-SAME_PLACE = 0.35  # [sides] of a find from the marker's middle
-WRONG_BRANCH = math.radians(15.0)
-CERTAIN = 0.05  # ambiguity
 
 
 @dataclass(frozen=True)
@@ -93,47 +88,39 @@ def look(job: KindJob) -> Look:
     """One image, drawn and looked at."""
     prints, random = scene(job)
     image = photograph(prints, job.kind, job.shift, random)
-    markers = _detector(job).detect(image).markers
-    finds: dict[str, Finds] = {
-        SEATER: [(m.id, np.asarray(m.corners)) for m in markers],
-        OPENCV: [(seen.id, seen.corners) for seen in make_peer(OPENCV, OPTICS.K, SIZE, job.dictionary)(image)],
+    known, folder = _known(job, prints)
+    finds = {
+        name: match(known, make_detector(name, folder, known, job.parameters, job.peers)(image).found)
+        for name in (SEATER, OPENCV, *peers_for(job.dictionary, job.peers))
     }
-    for name in peers_for(job.dictionary, job.peers):
-        assert job.peers is not None  # peers_for has none then
-        finds[name] = peer_process(job.peers, name, job.dictionary).look(image).found
-    right = {name: _right(prints, found) for name, found in finds.items()}
-    poses = {p.id: p.pose for p in prints}
-    mine = [m for k, m in enumerate(markers) if k in right[SEATER]]
-    certain = [m for m in mine if m.ambiguity < CERTAIN]
+    poses, errors, certain, wrong = {p.id: p.pose for p in prints}, [], 0, 0
+    for f in finds[SEATER].found.values():
+        assert f.pose is not None and f.covariance is not None  # ours have both
+        errors.append(normalised_error_squared(pose_error(f.pose, poses[f.id]), f.covariance))
+        if f.ambiguity < CERTAIN:
+            certain += 1
+            wrong += normal_error(f.pose, poses[f.id]) > WRONG_BRANCH
     return Look(
-        found={name: len(those) for name, those in right.items()},
-        false={name: len(finds[name]) - len(those) for name, those in right.items()},
-        errors=[
-            normalised_error_squared(pose_error(m.hypotheses[0].pose, poses[m.id]), np.asarray(m.covariance))
-            for m in mine
-        ],
-        certain=len(certain),
-        wrong=sum(normal_error(m.hypotheses[0].pose, poses[m.id]) > WRONG_BRANCH for m in certain),
+        found={name: len(matched.found) for name, matched in finds.items()},
+        false={name: len(matched.false) for name, matched in finds.items()},
+        errors=errors,
+        certain=certain,
+        wrong=wrong,
     )
 
 
-def _detector(job: KindJob) -> Any:
-    K = OPTICS.K.ravel().tolist()
-    camera = sp.CameraModel.raw(sp.Calibration(OPTICS.image_width, OPTICS.image_height, K, [0.0] * 5))
-    return sp.DockDetector(camera, sp.layout_of_equal_markers(job.dictionary, SIZE), job.parameters)
-
-
-def _right(prints: list[Print], found: Finds) -> list[int]:
-    """Indices of finds of a marker at its place, the first of each."""
-    middles = {p.id: corners_of(p, OPTICS.K) for p in prints}
-    right: dict[int, int] = {}
-    for k, (i, corners) in enumerate(found):
-        if i not in middles or i in right:
-            continue
-        side = float(np.linalg.norm(middles[i] - np.roll(middles[i], 1, axis=0), axis=1).mean())
-        if float(np.linalg.norm(corners.mean(axis=0) - middles[i].mean(axis=0))) <= SAME_PLACE * side:
-            right[i] = k
-    return sorted(right.values())
+def _known(job: KindJob, prints: list[Print]) -> tuple[Photograph, PhotographFolder]:
+    """The image as one of a folder of photographs, whose markers are known."""
+    markers = []
+    for p in prints:
+        corners = corners_of(p, OPTICS.K)
+        side = float(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).mean())
+        markers.append(KnownMarker(id=p.id, center=corners.mean(axis=0), side=side))
+    width, height = OPTICS.image_width, OPTICS.image_height
+    known = Photograph(
+        path=Path(job.kind), width=width, height=height, K=OPTICS.K, D=np.zeros(5), markers=tuple(markers)
+    )
+    return known, PhotographFolder(name=job.kind, dictionary=job.dictionary, photographs=(known,))
 
 
 def run_kinds(
@@ -149,10 +136,8 @@ def run_kinds(
         for _ in range(images)
     ]
     jobs = [KindJob(**{**vars(job), "seed": job_seed(seed, k)}) for k, job in enumerate(jobs)]
-    try:
-        _detector(jobs[0])  # wrong parameters: now
-    except sp.ConfigurationError as error:
-        raise ParameterError(str(error)) from error
+    known, folder = _known(jobs[0], scene(jobs[0])[0])
+    make_detector(SEATER, folder, known, parameters)  # wrong parameters: now
     looks = run_jobs(look, jobs, label="perception_kinds", workers=workers)
     cells: dict[tuple[str, float], list[tuple[KindJob, Look]]] = {}
     for job, seen in zip(jobs, looks, strict=True):

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from seater_eval.kinds.cameras import KINDS, photograph
-from seater_eval.kinds.evaluate import DICTIONARIES, SEATER, KindJob, scene
+from seater_eval.kinds.evaluate import DICTIONARIES, KindJob, scene
+from seater_eval.photographs.detectors import SEATER
 from seater_eval.report.bars import AT_LEAST, Bar
 from seater_eval.report.evaluation_style import figure, save
 from seater_eval.report.tables import text_table

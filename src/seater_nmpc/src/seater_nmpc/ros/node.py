@@ -181,8 +181,7 @@ class DockingNode:
         """One control cycle, at the first odometry in each period of message time."""
         self._diagnostics.cycle()
         self._set_obstacles(now)
-        self._tell_zone()
-        self._tell_walls()
+        self._tell_place()
         if self._core.shadow is not None:
             command = self._core.shadow.update(now)
             self._report(self._core.vehicle.command(command or Command(v=0.0, omega=0.0)), "SHADOW")
@@ -214,18 +213,17 @@ class DockingNode:
         self._core.controller.set_obstacles(obstacles)
         self._core.sequence.unsure = self._obstacles.trouble(now) or self._inputs.unsure()
 
-    def _tell_zone(self) -> None:
+    def _tell_place(self) -> None:
+        """The gate: how fast the chair may be where it is, and where the bay's walls are."""
         estimate, newest = self._core.observer.estimate(), self._core.observer.odometry.newest
-        if self._core.shadow is None and newest is not None:
-            dock = None if estimate is None else estimate.pose
-            self._zone.update(self._out.stamp, dock, newest.pose, backs_out=self._core.sequence.backs_out)
-
-    def _tell_walls(self) -> None:
-        estimate, newest = self._core.observer.estimate(), self._core.observer.odometry.newest
-        if self._walls is None or newest is None:
+        if self._core.shadow is not None or newest is None:
             return
-        seen = estimate is not None and estimate.blind_distance <= self._core.parameters.sequence.max_blind_distance
-        dock = estimate.pose if estimate is not None and seen else None
+        dock = None if estimate is None else estimate.pose
+        self._zone.update(self._out.stamp, dock, newest.pose, backs_out=self._core.sequence.backs_out)
+        if self._walls is None:
+            return
+        if estimate is not None and estimate.blind_distance > self._core.parameters.sequence.max_blind_distance:
+            dock = None
         docks = self._core.sequence.active and not self._core.sequence.paused
         base = self._core.vehicle.pose(newest.pose)
         self._walls.update(self._out.stamp, self._core.dock.bay, dock, base, docks=docks)

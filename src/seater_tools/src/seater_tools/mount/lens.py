@@ -43,14 +43,8 @@ class Lens:
         """The camera with `off` (count,), z above. The rectified image stays as it was."""
         if self.count == 0:
             return self.camera
-        fx, fy, cx, cy, *D = np.array([*self._pinhole(), *self.camera.D]) + self.root @ off
-        K = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
-        return replace(self.camera, K=K, D=np.array(D))
+        return self.camera.with_parameters(self.camera.parameters + self.root @ off)
 
     def found(self, off: Array, covariance: Array) -> CameraModel:
         """The same with the covariance that it has by the drive, of `off`: (count, count)."""
         return replace(self.at(off), covariance=self.root @ covariance @ self.root.T)
-
-    def _pinhole(self) -> tuple[float, float, float, float]:
-        K = self.camera.K
-        return float(K[0, 0]), float(K[1, 1]), float(K[0, 2]), float(K[1, 2])

@@ -101,8 +101,9 @@ def _lens(solution: Solution) -> list[Value]:
     before, after = solution.problem.lens.camera, camera_of(solution)
     if after.covariance is None:
         return []
-    file, found = ([c.K[0, 0], c.K[1, 1], c.K[0, 2], c.K[1, 2]] for c in (before, after))
-    return _values(("fx", "fy", "cx", "cy"), file, found, np.sqrt(np.diag(after.covariance))[:4])
+    names = ("fx", "fy", "cx", "cy")
+    sds = np.sqrt(np.diag(after.covariance))
+    return _values(names, before.parameters[:4], after.parameters[:4], sds[:4])
 
 
 def _contradicts(solution: Solution) -> list[str]:
