@@ -67,7 +67,7 @@ CASES = [
     _case("two tell obstacles, in turns", "second box+nothing obstacles", "BLOCKED", AT_ONCE),
     _case("a second detector", "second repeat detections", "INCONSISTENT", AT_ONCE),
     _case("a second camera", "second repeat camera/color/image_raw camera/color/camera_info", "INCONSISTENT", AT_ONCE),
-    _case("a second odometry", "second repeat odom", "GATE_LOST", AT_ONCE),
+    _case("a second odometry", "second repeat odom", "ODOMETRY_WRONG", AT_ONCE),
     _case("a second joystick", "second repeat user_cmd_vel", "GATE_LOST", AT_ONCE),
     _case("joystick forward for 5 s", "joystick 0.3 0.0 5.0", "STOPPED_BY_USER", 7.5),
     _case("stop button falls silent", "heartbeat", "EMERGENCY_STOP", AT_ONCE, safety="emergency_stop_timeout=0.5"),
