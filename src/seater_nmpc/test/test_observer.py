@@ -273,7 +273,7 @@ def test_what_is_asked_again_is_answered_anew_when_something_came() -> None:
 def test_true_speeds_are_those_of_the_odometry_less_its_errors() -> None:
     assert DockObserver(CHAIR.camera).true_speeds(0.2, 0.1) == (0.2, 0.1)
     scaled = acquired(parameters=ObserverParameters(odometry_scale=0.25, odometry_heading_scale=-0.2))
-    assert scaled.true_speeds(0.25, 0.08, 1.0) == pytest.approx((0.2, 0.1), abs=1e-6)
+    assert scaled.true_speeds(0.25, 0.08) == pytest.approx((0.2, 0.1), abs=1e-6)
 
 
 @pytest.mark.parametrize(("distance", "outcome"), [(3.5, Outcome.ACQUIRED), (1.0, Outcome.ELSEWHERE)])

@@ -42,7 +42,10 @@ def inverse(T_a_b: ArrayLike) -> Array:
 
 def relative(T_a_b: ArrayLike, T_a_c: ArrayLike) -> Array:
     """T_b_c, shape (3,): c as seen from b, both given in a."""
-    return compose(inverse(T_a_b), T_a_c)
+    x, y, heading = np.asarray(T_a_b, dtype=float).tolist()
+    cx, cy, c_heading = np.asarray(T_a_c, dtype=float).tolist()
+    c, s, dx, dy = math.cos(heading), math.sin(heading), cx - x, cy - y
+    return np.array([c * dx + s * dy, c * dy - s * dx, wrap_angle(c_heading - heading)])
 
 
 def transform_points(T_a_b: ArrayLike, points_b: ArrayLike) -> Array:

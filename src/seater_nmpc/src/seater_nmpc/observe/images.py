@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import statistics
 from collections import Counter, deque
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,7 +101,7 @@ class Images:
     @property
     def period(self) -> float:
         """Usual time between two images [s], whatever they show; 0 before there are three."""
-        return float(np.median(np.diff(np.array(self._stamps)))) if len(self._stamps) > 2 else 0.0
+        return statistics.median(b - a for a, b in pairwise(self._stamps)) if len(self._stamps) > 2 else 0.0
 
     @property
     def doubted(self) -> Jump | None:

@@ -49,9 +49,13 @@ class DockEstimate:
 
     def true_speeds(self, v: float, omega: float) -> tuple[float, float]:
         """Of the chair [m/s, rad/s], from those that the odometry reports."""
-        e_s, e_t, e_d, b = (float(value) for value in self.drift)
-        v = v / (1.0 + e_s)
-        return v, (omega - b - e_d * v) / (1.0 + e_t)
+        return _true_speeds(self.drift, v, omega)
+
+
+def _true_speeds(drift: Array, v: float, omega: float) -> tuple[float, float]:
+    e_s, e_t, e_d, b = drift.tolist()
+    v = v / (1.0 + e_s)
+    return v, (omega - b - e_d * v) / (1.0 + e_t)
 
 
 class DockObserver:
@@ -153,11 +157,16 @@ class DockObserver:
             self._estimated = known = last, now, estimate
         return known[2]
 
-    def true_speeds(self, v: float, omega: float, stamp: float | None = None) -> tuple[float, float]:
-        """(v [m/s], omega [rad/s]) of the chair at `stamp`, from those that the odometry reports; the same where
-        nothing is known of its errors."""
-        estimate = self.estimate(stamp)
-        return (v, omega) if estimate is None else estimate.true_speeds(v, omega)
+    @property
+    def slip(self) -> float | None:
+        """That the filter reckons with, see drift.py; None before the dock was found."""
+        return None if self._bank.last is None else self._bank.slip
+
+    def true_speeds(self, v: float, omega: float) -> tuple[float, float]:
+        """(v [m/s], omega [rad/s]) of the chair, from those that the odometry reports; the same where nothing is known
+        of its errors. These stay as the last image left them, so that no estimate has to be made for it."""
+        last = self._bank.last
+        return (v, omega) if last is None else _true_speeds(last.mean[3:], v, omega)
 
     def measurements_since(self, stamp: float) -> list[tuple[Instant, Measurement]]:
         """What was used of images taken at or after `stamp`: the chair then, and the dock in odom."""

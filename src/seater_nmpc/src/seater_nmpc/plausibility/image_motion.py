@@ -8,6 +8,7 @@ image decides nothing: the drift counts as the smallest that is left when any on
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -80,7 +81,10 @@ def of_one_place(shown: Shown) -> list[Measurement]:
     """Of the poses that each image leaves open the nearest to the likeliest of the newest: two places of a marker at
     the side of the dock, by turns, would be a motion."""
     newest = max(shown[-1][1], key=lambda measurement: measurement.weight)
-    return [min(offered, key=lambda measurement: between(measurement, newest)) for _, offered in shown]
+    return [
+        offered[0] if len(offered) == 1 else min(offered, key=lambda measurement: between(measurement, newest))
+        for _, offered in shown
+    ]
 
 
 def contradiction(speeds: ImageSpeeds, parameters: PlausibilityParameters) -> Contradiction | None:
@@ -153,7 +157,8 @@ def _sds(best: list[Measurement], c: Array, s: Array, middle: Array) -> Array:
     J[:, 0, 0] = J[:, 1, 1] = 1.0
     J[:, 0, 2], J[:, 1, 2] = -s * middle[0] - c * middle[1], c * middle[0] - s * middle[1]
     P = J @ np.array([one.covariance for one in best]) @ J.transpose(0, 2, 1)
-    return np.asarray(np.sqrt(np.linalg.eigvalsh(P)[:, -1]))
+    mean, half = 0.5 * (P[:, 0, 0] + P[:, 1, 1]), 0.5 * (P[:, 0, 0] - P[:, 1, 1])
+    return np.asarray(np.sqrt(mean + np.hypot(half, P[:, 0, 1])))  # of the larger eigenvalue
 
 
 def _slopes(times: Array, places: Array, sds: Array, best: list[Measurement]) -> Array | None:
@@ -163,7 +168,7 @@ def _slopes(times: Array, places: Array, sds: Array, best: list[Measurement]) ->
     headings = wrap_angles(np.array([one.pose[2] for one in best]) - best[-1].pose[2])
     places = np.column_stack([places, headings])
     allowed = CERTAIN * np.column_stack([sds, [math.sqrt(one.covariance[2, 2]) for one in best]]) + _ON_THE_LINE
-    kept = np.nonzero(~np.eye(n, dtype=bool))[1].reshape(n, n - 1)  # row i: all but the i-th
+    kept = _all_but_one(n)
     t, there = times[kept], places[kept]  # (n, n - 1) and (n, n - 1, 3)
     t, there = t - t.mean(axis=1)[:, None], there - there.mean(axis=1)[:, None, :]
     slopes = (t[:, None, :] @ there)[:, 0, :] / (t[:, None, :] @ t[:, :, None])[:, 0, :]
@@ -171,6 +176,12 @@ def _slopes(times: Array, places: Array, sds: Array, best: list[Measurement]) ->
     off = np.stack([np.hypot(left[..., 0], left[..., 1]), np.abs(left[..., 2])], axis=2)
     fits = np.all(off <= allowed[kept], axis=(1, 2))
     return slopes[fits, :2] if fits.any() else None
+
+
+@functools.cache
+def _all_but_one(n: int) -> NDArray[np.intp]:
+    """Indices (n, n - 1): row i has all but the i-th."""
+    return np.nonzero(~np.eye(n, dtype=bool))[1].reshape(n, n - 1)
 
 
 def _smallest(values: Array) -> float:

@@ -36,13 +36,13 @@ def turn_contradicts(shown: Shown, middle: Array, parameters: PlausibilityParame
     ends = [*window[:_ENDS], *window[-_ENDS:]]
     first, last = ends[_ENDS // 2][0], ends[-1 - _ENDS // 2][0]
     places, sds = places_of(of_one_place(ends), middle)
-    there = np.median(places[_ENDS:], axis=0)
+    there = _middle_one(places[_ENDS:])
     ahead, aside, _ = relative(last.pose, [*there, 0.0]).tolist()
     if ahead < NEAREST:
         return None
     off = _bearings(ends, places, there)
     odometry = wrap_angle(float(last.pose[2] - first.pose[2]))
-    images = odometry - float(np.median(off[_ENDS:]) - np.median(off[:_ENDS]))
+    images = odometry - float(_middle_one(off[_ENDS:]) - _middle_one(off[:_ENDS]))
     most, driven = max(abs(odometry), abs(images)), last.driven - first.driven
     speeds = [chair.omega for chair, _ in window]
     allowed = p.image_turning * _OFF + p.image_share * (most + 2.0 * driven) + CLOCKS * (max(speeds) - min(speeds))
@@ -51,6 +51,11 @@ def turn_contradicts(shown: Shown, middle: Array, parameters: PlausibilityParame
         return None
     what = f"in {last.stamp - first.stamp:.1f} s the chair turned by {odometry:.2f} rad by its odometry"
     return doubted(f"{what}, by {images:.2f} rad by the images", abs(odometry) < abs(images))
+
+
+def _middle_one(values: Array) -> Array:
+    """Median of an odd number along the first axis: numpy's takes ten times as long for three."""
+    return np.asarray(np.sort(values, axis=0)[len(values) // 2])
 
 
 def _bearings(ends: Shown, places: Array, there: Array) -> Array:

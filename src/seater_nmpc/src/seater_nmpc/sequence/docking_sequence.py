@@ -179,9 +179,8 @@ class DockingSequence:
         newest = self.observer.odometry.newest
         if taken and newest is not None:
             self._motion.add_odometry(replace(odometry, v=newest.v, omega=newest.omega))  # as checked against its poses
-            known = self.observer.estimate()
-            speeds = (newest.v, newest.omega) if known is None else known.true_speeds(newest.v, newest.omega)
-            self._controller.measured(odometry.stamp, *speeds, rolling=known is None or known.slip < _SLIPPING)
+            slip, speeds = self.observer.slip, self.observer.true_speeds(newest.v, newest.omega)
+            self._controller.measured(odometry.stamp, *speeds, rolling=slip is None or slip < _SLIPPING)
         return taken
 
     def add_detections(self, stamp: float, hypotheses: list[Hypothesis], markers: Sequence[MarkerSight] = ()) -> Fusion:

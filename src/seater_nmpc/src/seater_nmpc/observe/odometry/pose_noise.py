@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import statistics
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,5 +33,6 @@ def noise(placed: Array) -> float:
     by the median of the second differences, whose variance is six times the noise's."""
     if len(placed) < _FEWEST:
         return 0.0
-    typical = np.median(np.abs(np.diff(placed, n=2, axis=0)), axis=0)
-    return float(typical.max()) / (_MEDIAN * math.sqrt(6.0))
+    second = np.abs(placed[2:] - 2.0 * placed[1:-1] + placed[:-2])
+    typical = max(statistics.median(column) for column in second.T.tolist())
+    return typical / (_MEDIAN * math.sqrt(6.0))

@@ -84,14 +84,14 @@ class Context:
 
     def speeds(self, chair: Instant) -> tuple[float, float]:
         """Of the chair, less the errors of its odometry."""
-        return self.observer.true_speeds(*self.motion.at(chair.stamp), chair.stamp)
+        return self.observer.true_speeds(*self.motion.at(chair.stamp))
 
     def measured(self, chair: Instant) -> tuple[float, float]:
         """Speeds as the odometry's poses have them over `standing_time`, less its errors."""
         p = self.parameters
         speeds = self.observer.odometry.mean_speeds(p.standing_time, _SURE * p.standing_speed)
         speeds = speeds or (chair.v, chair.omega)
-        return self.observer.true_speeds(*speeds, chair.stamp)
+        return self.observer.true_speeds(*speeds)
 
     def rest_error(self, chair: Instant) -> Array:
         """Where the chair would come to rest if it were asked to stand now (3,)."""
