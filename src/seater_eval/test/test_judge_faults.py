@@ -35,8 +35,9 @@ def test_a_fault_is_told_in_words() -> None:
 @pytest.mark.parametrize(
     ("text", "code", "noticed", "way"),
     [
-        ("frozen_odometry@-0.4", "ODOMETRY_WRONG", 0.65, 0.2),
-        ("spinning@-0.4", "WHEELS_SLIP", 0.75, 0.001),  # five images at 10 Hz, 0.12 s late, and one more
+        pytest.param("frozen_odometry@-0.4", "ODOMETRY_WRONG", 0.65, 0.2, marks=pytest.mark.extensive),
+        # five images at 10 Hz, 0.12 s late, and one more
+        pytest.param("spinning@-0.4", "WHEELS_SLIP", 0.75, 0.001, marks=pytest.mark.extensive),
         ("stuck@-1.0", "BLOCKED", 0.6, 0.001),
         ("runaway@-0.4", "RUNAWAY", 4.0, 0.55),
         ("shifted:0.3@-0.4", "INCONSISTENT", 3.0, 0.2),
