@@ -13,6 +13,8 @@ from seater_nmpc.observe.measurement import Measurement, in_frame
 from seater_nmpc.observe.odometry.buffer import OdometryBuffer
 from seater_nmpc.observe.odometry.message import Odometry
 from seater_nmpc.parameters import ObserverParameters
+from seater_nmpc.plausibility.installation import steadiness
+from seater_nmpc.plausibility.installation.filters import SlipFilters
 from seater_nmpc.plausibility.installation.installation import Installation
 from seater_nmpc.plausibility.installation.knowledge import NAMES
 
@@ -94,6 +96,16 @@ def test_what_is_wrong_is_found_and_named(wrong, name: str) -> None:
     assert error.is_wrong(LIMITS, 5.0)
     truly = seen(np.zeros(3), np.array(wrong))  # what a chair that is docked sees
     assert error.effects[:, index] == pytest.approx(truly, rel=0.35, abs=0.003)
+
+
+@pytest.mark.parametrize("beyond", [1.0, 3.0])
+def test_what_is_wrong_is_found_though_it_was_taken_for_a_floor_once(monkeypatch, beyond: float) -> None:
+    monkeypatch.setattr(steadiness, "_BEYOND_CHANCE", beyond)
+    restarts, restart = [], SlipFilters.restart
+    monkeypatch.setattr(SlipFilters, "restart", lambda self, *known: (restarts.append(known), restart(self, *known)))
+    error = found((0.0, -0.05, 0.0, 0.0))
+    assert len(restarts) == 2  # at the beginning, and to what was known before
+    assert np.abs(restarts[1][0]).max() < 0.03 and error.suspect == 1 and error.is_wrong(LIMITS, 4.0)
 
 
 @pytest.mark.parametrize(

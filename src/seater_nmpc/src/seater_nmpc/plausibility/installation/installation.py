@@ -28,6 +28,7 @@ from seater_nmpc.plausibility.installation.knowledge import (
     Knowledge,
     nothing_known,
 )
+from seater_nmpc.plausibility.installation.steadiness import Steadiness
 
 Array = NDArray[np.float64]
 
@@ -74,6 +75,7 @@ class Installation:
         """Begin anew, with what is known of dockings before."""
         self.begun += 1
         self._used = 0
+        self._floor_changed = False
         self._headings = (0.0, 0.0)  # [rad] least and most, from the first image on
         self._filters.restart(self.known.values, self.known.covariances)
         self._begin_images()
@@ -87,6 +89,7 @@ class Installation:
     def _begin_images(self) -> None:
         self._elsewhere = 0  # images in a row that the observer's dock is another one
         self._dock: Array | None = None  # where the observer has had it at the last image
+        self._steadiness = Steadiness()
         self._turned_to = 0.0  # [rad] now
 
     def add(self, chair: Instant, offered: list[Measurement], known: Array) -> None:
@@ -114,6 +117,21 @@ class Installation:
             self._turned_to, (least, most) = turned_to, self._headings
             self._headings = min(least, turned_to), max(most, turned_to)
             filters.add(chair, offered, known)
+            self._notice_another_floor()
+
+    def _notice_another_floor(self) -> None:
+        """Where what was found changes as no installation does, go back to what was known before, with no level of slip
+        favoured, once: what comes again is no floor."""
+        filters = self._filters
+        if filters.best is None or self._floor_changed:
+            return
+        found = filters.found
+        before = self._steadiness.unlikely(filters.best, found[filters.best], _MODEL)
+        self._steadiness.add(found)
+        if before is not None:
+            self._floor_changed = True
+            filters.restart(np.stack([values for values, _ in before]), np.stack([P for _, P in before]))
+            self._begin_images()
 
     def learn(self, limits: Array, certainty: float, *, turned: bool = False) -> None:
         """Remember what this docking has shown, for the next ones, unless it is certain by itself: it may have been a
