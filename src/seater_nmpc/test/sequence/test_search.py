@@ -40,7 +40,7 @@ def test_walls_of_a_dock_that_was_not_seen_are_kept_far_away(rough: bool, least:
 
 @pytest.mark.parametrize("start", [[-0.872, -1.371, 0.743], [-0.483, -1.566, 0.702], [-0.427, 1.202, 0.181]])
 def test_room_is_made_where_no_turn_is_clear(start: list[float]) -> None:
-    """As told to three of 50 chairs beside the bay: FAILED_TO_DETECT_DOCK after 4 to 13 s, "looked all round for it"."""
+    """As told to three of 50 chairs beside the bay: FAILED_TO_DETECT_DOCK after 4 to 13 s, "looked all round"."""
     gap, _, off = nearest(start, rough=True)
     corners = CHAIR.corners_at(np.array(start))
     begun = min(polygon_distance(corners, wall) for wall in DOCK.bay.outlines())
