@@ -119,21 +119,30 @@ class SlipFilters:
         return np.asarray(variance * np.outer(along, along))
 
     def _update(self, i: int, chair: Instant, offered: list[Measurement], mean: Array, P: Array) -> None:
-        """Of filter i, by the pose that fits `mean` (11,) and P (11, 11) best, unless that is an outlier."""
+        """Of filter i, from `mean` (11,) and P (11, 11), by the poses that are no outliers. Where two fit, they count
+        as one, each as far as it is likely, that is as uncertain as they are apart: of those that fit best, several in
+        a row were the mirror image, and drew the filter away from what is right."""
         H = self._effect.jacobian(chair, mean[:3])
         expected = mean[:3] + H[:, DRIFT:] @ mean[DRIFT:]
-        scored = []
+        likelihoods, values, fits = [], [], []
         for measurement in offered:
             S = H @ P @ H.T + measurement.covariance
             value = difference(measurement.pose, expected)
-            scored.append((float(value @ np.linalg.solve(S, value)), measurement, value, S))
-        nis, best, value, S = min(scored, key=lambda entry: entry[0])
-        likelihood = -0.5 * (nis + float(np.linalg.slogdet(S)[1]) + 3.0 * math.log(2.0 * math.pi))
-        self.evidence[i] += max(likelihood, _LOG_OUTLIER)
-        if nis <= _GATE:
-            gain = np.linalg.solve(S, H @ P).T
+            nis = float(value @ np.linalg.solve(S, value))
+            likelihoods.append(-0.5 * (nis + float(np.linalg.slogdet(S)[1]) + 3.0 * math.log(2.0 * math.pi)))
+            values.append(value)
+            fits.append(nis <= _GATE)
+        self.evidence[i] += max(*likelihoods, _LOG_OUTLIER)
+        if any(fits):
+            likely = np.where(fits, likelihoods, -np.inf)
+            shares = np.exp(likely - likely.max())
+            shares /= shares.sum()
+            value = shares @ np.array(values)
+            apart = np.array(values) - value
+            R = np.einsum("k,kij->ij", shares, [one.covariance for one in offered]) + (shares * apart.T) @ apart
+            gain = np.linalg.solve(H @ P @ H.T + R, H @ P).T
             mean = mean + gain @ value
             keep = np.eye(ALL) - gain @ H
-            P = keep @ P @ keep.T + gain @ best.covariance @ gain.T
+            P = keep @ P @ keep.T + gain @ R @ gain.T
         mean[2] = wrap_angle(float(mean[2]))
         self._mean[i], self._covariance[i] = mean, P
