@@ -5,6 +5,7 @@ import pytest
 
 from seater_common.geometry import Chair, Dock, polygon_distance
 from seater_common.se2 import arc_step
+from seater_nmpc.sequence.goal.results import Phase
 from seater_nmpc.sequence.phases.search import Search
 
 CHAIR, DOCK, PERIOD = Chair(), Dock(), 0.4
@@ -45,3 +46,25 @@ def test_room_is_made_where_no_turn_is_clear(start: list[float]) -> None:
     corners = CHAIR.corners_at(np.array(start))
     begun = min(polygon_distance(corners, wall) for wall in DOCK.bay.outlines())
     assert off < 0.15 and gap >= min(0.3, begun - 0.002)
+
+
+def test_who_loses_the_dock_again_drives_round_to_the_front(make_world) -> None:
+    """A side wall began to hide the only marker, and each way from there led out of its sight once more: MARKER_LOST
+    (single_marker_alone, seed 1927301448)."""
+
+    def seen(world) -> bool:
+        to_dock = np.arctan2(-world.truth[1], 0.9 - world.truth[0]) - world.truth[2]
+        return bool(abs(to_dock) < 0.75)
+
+    sequence = {"max_blind_time": 0.5, "search_after": 0.5}
+    world = make_world((-2.1, 0.75, -15.0), seen=seen, sequence=sequence)
+    world.period = 0.05
+    world.tick()
+    world.sequence.start_dock(world.now)
+    world.run(8.0, until=lambda step: step.phase is Phase.APPROACH)
+    world.sequence._phases._finding._lost = 1  # it has turned back once
+    world.truth = np.array([-2.1, 0.75, 0.8])  # pushed round, as the odometry sees, too
+    world.run(5.0, until=lambda step: step.phase is Phase.SEARCHING)
+    step = world.run(30.0, until=lambda step: step.phase is not Phase.SEARCHING)
+    assert world.phases[1:3] == ["APPROACH", "SEARCHING"] and step.phase in (Phase.APPROACH, Phase.FINAL)
+    assert abs(world.truth[1]) < 0.5
