@@ -34,6 +34,9 @@ _HALF_TRACK, _ONE_WHEEL = 0.6, 0.006
 _DRIFTS = 0.015  # [rad/s] of a gyro's bias, beyond which values of millimetres are not to be had from its heading
 _GATE = 16.3  # chi-square, 99.9 %
 _LOG_OUTLIER = math.log(0.03)
+# Of so many images from the first one on, so many that contradict it by the filter of the least slip: then it was wrong
+# (the mirror image of the first marker that came into view). Between so few no wheel can have slipped by as much.
+_SETTLES, _CONTRADICT = 4, 2
 
 
 class SlipFilters:
@@ -57,6 +60,8 @@ class SlipFilters:
 
     def _follow_anew(self, values: Array, covariances: Array) -> None:
         self._from = values, covariances
+        self._evidence_before = self.evidence.copy()
+        self._followed = self._contradicted = 0  # images since the first one, and of those, how many did not fit it
         self.last: Instant | None = None  # the chair at the last image that was used; None: not begun
         self._mean: list[Array] = []
         self._covariance: list[Array] = []
@@ -108,6 +113,10 @@ class SlipFilters:
             mean[:2] = chair.pose[:2] + (mean[:2] - chair.pose[:2]) / lengthened
             self._update(i, chair, offered, mean, F @ self._covariance[i] @ F.T + Q)
         self.last = chair
+        self._followed += 1
+        if self._followed <= _SETTLES and self._contradicted >= _CONTRADICT:  # from before that image
+            self.evidence = self._evidence_before
+            self._follow_anew(*self._from)
 
     def _by_one_wheel(self, slip: float, last: Instant, chair: Instant) -> Array:
         """Covariance (2, 2) of the way that one wheel's slip takes as the chair turns on the spot, of which drift.py
@@ -133,6 +142,7 @@ class SlipFilters:
             values.append(value)
             fits.append(nis <= _GATE)
         self.evidence[i] += max(*likelihoods, _LOG_OUTLIER)
+        self._contradicted += i == 0 and not any(fits)
         if any(fits):
             likely = np.where(fits, likelihoods, -np.inf)
             shares = np.exp(likely - likely.max())
