@@ -34,6 +34,9 @@ _HALF_TRACK, _ONE_WHEEL = 0.6, 0.006
 _DRIFTS = 0.015  # [rad/s] of a gyro's bias, beyond which values of millimetres are not to be had from its heading
 _GATE = 16.3  # chi-square, 99.9 %
 _LOG_OUTLIER = math.log(0.03)
+# Of so many images from the first one on, so many that contradict it by the filter of the least slip: then it was wrong
+# (the mirror image of the first marker that came into view). Between so few no wheel can have slipped by as much.
+_SETTLES, _CONTRADICT = 4, 2
 
 
 class SlipFilters:
@@ -57,6 +60,8 @@ class SlipFilters:
 
     def _follow_anew(self, values: Array, covariances: Array) -> None:
         self._from = values, covariances
+        self._evidence_before = self.evidence.copy()
+        self._followed = self._contradicted = 0  # images since the first one, and of those, how many did not fit it
         self.last: Instant | None = None  # the chair at the last image that was used; None: not begun
         self._mean: list[Array] = []
         self._covariance: list[Array] = []
@@ -108,6 +113,10 @@ class SlipFilters:
             mean[:2] = chair.pose[:2] + (mean[:2] - chair.pose[:2]) / lengthened
             self._update(i, chair, offered, mean, F @ self._covariance[i] @ F.T + Q)
         self.last = chair
+        self._followed += 1
+        if self._followed <= _SETTLES and self._contradicted >= _CONTRADICT:  # from before that image
+            self.evidence = self._evidence_before
+            self._follow_anew(*self._from)
 
     def _by_one_wheel(self, slip: float, last: Instant, chair: Instant) -> Array:
         """Covariance (2, 2) of the way that one wheel's slip takes as the chair turns on the spot, of which drift.py
@@ -119,21 +128,31 @@ class SlipFilters:
         return np.asarray(variance * np.outer(along, along))
 
     def _update(self, i: int, chair: Instant, offered: list[Measurement], mean: Array, P: Array) -> None:
-        """Of filter i, by the pose that fits `mean` (11,) and P (11, 11) best, unless that is an outlier."""
+        """Of filter i, from `mean` (11,) and P (11, 11), by the poses that are no outliers. Where two fit, they count
+        as one, each as far as it is likely, that is as uncertain as they are apart: of those that fit best, several in
+        a row were the mirror image, and drew the filter away from what is right."""
         H = self._effect.jacobian(chair, mean[:3])
         expected = mean[:3] + H[:, DRIFT:] @ mean[DRIFT:]
-        scored = []
+        likelihoods, values, fits = [], [], []
         for measurement in offered:
             S = H @ P @ H.T + measurement.covariance
             value = difference(measurement.pose, expected)
-            scored.append((float(value @ np.linalg.solve(S, value)), measurement, value, S))
-        nis, best, value, S = min(scored, key=lambda entry: entry[0])
-        likelihood = -0.5 * (nis + float(np.linalg.slogdet(S)[1]) + 3.0 * math.log(2.0 * math.pi))
-        self.evidence[i] += max(likelihood, _LOG_OUTLIER)
-        if nis <= _GATE:
-            gain = np.linalg.solve(S, H @ P).T
+            nis = float(value @ np.linalg.solve(S, value))
+            likelihoods.append(-0.5 * (nis + float(np.linalg.slogdet(S)[1]) + 3.0 * math.log(2.0 * math.pi)))
+            values.append(value)
+            fits.append(nis <= _GATE)
+        self.evidence[i] += max(*likelihoods, _LOG_OUTLIER)
+        self._contradicted += i == 0 and not any(fits)
+        if any(fits):
+            likely = np.where(fits, likelihoods, -np.inf)
+            shares = np.exp(likely - likely.max())
+            shares /= shares.sum()
+            value = shares @ np.array(values)
+            apart = np.array(values) - value
+            R = np.einsum("k,kij->ij", shares, [one.covariance for one in offered]) + (shares * apart.T) @ apart
+            gain = np.linalg.solve(H @ P @ H.T + R, H @ P).T
             mean = mean + gain @ value
             keep = np.eye(ALL) - gain @ H
-            P = keep @ P @ keep.T + gain @ best.covariance @ gain.T
+            P = keep @ P @ keep.T + gain @ R @ gain.T
         mean[2] = wrap_angle(float(mean[2]))
         self._mean[i], self._covariance[i] = mean, P

@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 
 _WELL_IN_FRONT = 0.3  # [m] nearer to the bay or farther from it, the side wall would (not) hide the markers either
 _ASIDE = 0.35  # [rad] of the camera's axis, from which on markers may be out of view
+_LOOKS = 2  # times that it is looked for after it was lost on the approach
 _SEEN_NOW = 0.5  # [s] or a few images: a dock seen so lately is in view
 
 
@@ -39,7 +40,7 @@ class Finding:
 
     def resume(self) -> None:
         """A goal goes on from wherever the chair is now."""
-        self._lost = False  # out of sight on the approach, and looked for
+        self._lost = 0  # times that it was out of sight on the approach, and looked for
         self._went_round = False  # to the front of the bay, as far as the way is clear
         self.restart()
 
@@ -69,7 +70,7 @@ class Finding:
         Where it is seen from beside the bay only, drive round to the front first.
         """
         c, known = self._context, self._context.in_view(chair)
-        if known and self._seen_now(chair) and self._well_in_front(c.look(chair)):
+        if known and self._seen_now(chair) and self._may_go_on(c.look(chair)):
             return self.wait(chair)
         self._rough = c.goal.T_odom_dock if known else self._rough
         assert self._rough is not None  # or there would be nothing to look for
@@ -86,27 +87,35 @@ class Finding:
         return self.wait(chair)
 
     def turned_away(self, chair: Instant, estimate: DockEstimate) -> bool:
-        """Whether the dock may be out of view because the chair has turned too far, once in a goal, on the approach or
-        to see where the camera sits."""
-        if self._context.goal.phase not in (Phase.APPROACH, Phase.CHECK_INSTALLATION) or self._lost:
+        """Whether the dock may be out of view because the chair has turned too far, on the approach or to see where the
+        camera sits, and is to be looked for: twice in a goal."""
+        if self._context.goal.phase not in (Phase.APPROACH, Phase.CHECK_INSTALLATION) or self._lost >= _LOOKS:
             return False
         return abs(self._front.aside(relative(estimate.pose, chair.pose))) > _ASIDE
 
     def turn_back(self, T_odom_dock: Array) -> Phase:
-        """The chair is to look for the dock where it was seen last (3,)."""
-        self._lost, self._rough = True, T_odom_dock
+        """The chair is to look for the dock where it was seen last (3,). The second time from straight ahead of the
+        bay: the way that led out of sight would do so again, as where a side wall begins to hide the markers."""
+        self._lost, self._rough = self._lost + 1, T_odom_dock
         return Phase.SEARCHING
 
     def _begin_search(self, known: bool, here: Array) -> Search:
         c = self._context
-        first = () if known else SWEEPS[:1] if self._lost or self._front.hidden(here) else SWEEPS
-        return Search(c.chair, c.dock, c.observer.images.period, first=first, go=known or not self._lost)
+        round_to_the_front = self._lost == _LOOKS
+        first = () if known or round_to_the_front else SWEEPS[:1] if self._lost or self._front.hidden(here) else SWEEPS
+        go = known or round_to_the_front or not self._lost
+        return Search(c.chair, c.dock, c.observer.images.period, first=first, go=go)
 
     def _in_vain(self) -> GoalEnd:
         why = self._context.observer.images.why_unseen
         if self._lost:
             return GoalEnd(ResultCode.MARKER_LOST, f"turned back to it in vain: {why}")
         return GoalEnd(ResultCode.FAILED_TO_DETECT_DOCK, f"looked all round for it: {why}")
+
+    def _may_go_on(self, error: Array) -> bool:
+        if self._lost == _LOOKS and abs(error[1]) > 0.5 * self._context.dock.bay.width:
+            return False  # round to the front first
+        return self._well_in_front(error)
 
     def _well_in_front(self, error: Array) -> bool:
         """Whether the markers can be seen nearer and farther, too: then waiting does not send it to search again."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import wrap_angle
 from seater_nmpc.sequence.phases.clearance import keeps_clear
+from seater_nmpc.sequence.phases.room import Aim, clear_turn, driven, make_room, turned
 
 Array = NDArray[np.float64]
 Speeds = tuple[float, float]
@@ -23,7 +24,7 @@ _LOOK = 2.0  # [s] standing, so that a few images can agree; at slow cameras lon
 _IMAGES = 8
 _SPEED, _TURN = 0.2, 0.35  # [m/s, rad/s]
 _DECELERATION, _TURN_DECELERATION = 0.2, 0.4  # [m/s^2, rad/s^2] that turns and drives end with
-_ARRIVED, _TURNED = 0.1, 0.05  # [m, rad]
+_ARRIVED, _TURNED, _ABOUT = 0.1, 0.05, 0.15  # [m, rad, rad]; about: a turn that ended early has come near enough
 _STEERING = 1.0  # [1/s] turning rate per angle to the place that is driven to
 SWEEPS = (0.0, 0.6, -0.6, 1.2, -1.2)  # [rad] beside the direction of the dock, where the chair looks
 _MARGIN = 0.1  # [m] that the footprint keeps from walls and obstacles
@@ -33,6 +34,7 @@ _ROUGH = 0.25
 _VIEWPOINT = 1.3  # [m] from the mouth of the bay to the front of the chair, where markers are surely to be seen
 _NEXT, _NEXT_TURN = 0.4, 0.5  # [m, rad] that have to be clear ahead, whatever has come into the way since
 _SWEEP_STEPS = 24
+_ROOMS = 3  # times that room is made for one turn: castors push the chair as it turns, by some centimetres
 
 
 class Search:
@@ -68,57 +70,81 @@ class Search:
         bay = self._dock.bay
         viewpoint = np.array([bay.entrance_x - self._chair.length_front - _VIEWPOINT, 0.0])
         if math.dist(self._pose[:2], viewpoint) > 2.0 * _ARRIVED and self._way_clear(viewpoint):
-            yield from self._turn(self._bearing(viewpoint))
+            yield from self._turn_with_room(lambda place: _bearing(place, viewpoint))
             yield from self._drive(viewpoint)
             yield from self._look_around(SWEEPS)
         elif self._first != SWEEPS:
             yield from self._look_around(SWEEPS)
 
     def _look_around(self, sweeps: Sequence[float]) -> Iterator[Speeds]:
-        middle = self._dock.front[:2]
-        towards = self._bearing(middle) - self._chair.camera.yaw
         for aside in sweeps:
-            yield from self._turn(towards + aside)
+            if aside == 0.0:  # before the others, from where room was made for it
+                yield from self._turn_with_room(self._towards)
+            else:
+                yield from self._turn(self._towards(self._pose[:2]) + aside)
             since = self._now
             while self._now - since < self._look_time:
                 yield 0.0, 0.0
 
+    def _towards(self, place: Array) -> float:
+        return _bearing(place, self._dock.front[:2]) - self._chair.camera.yaw
+
+    def _turn_with_room(self, aim: Aim) -> Iterator[Speeds]:
+        """As `_turn`, and where that is not clear, from a place nearby where it is."""
+        for _ in range(_ROOMS):
+            yield from self._turn(aim(self._pose[:2]))
+            if abs(wrap_angle(aim(self._rest[:2]) - float(self._rest[2]))) <= _ABOUT:
+                return
+            move = make_room(self._pose, aim, self._clear)
+            if move is None:
+                return
+            yield from self._turn(float(self._pose[2]) + move[0])
+            yield from self._back_or_on(move[1])
+
     def _turn(self, heading: float) -> Iterator[Speeds]:
         """On the spot, whichever way round is clear, the shorter one first; not at all when none is."""
-        short = wrap_angle(heading - float(self._pose[2]))
-        ways = (short, short - math.copysign(2.0 * math.pi, short))
-        clear = next((turn for turn in ways if self._turn_clear(turn)), None)
+        clear = clear_turn(self._pose, heading, self._clear)
         if clear is None:
             return
         left, before = clear, float(self._rest[2])
         left -= wrap_angle(before - float(self._pose[2]))
-        while abs(left) > _TURNED and self._turn_clear(math.copysign(min(abs(left), _NEXT_TURN), left)):
+        while abs(left) > _TURNED and self._clear(turned(self._pose, math.copysign(min(abs(left), _NEXT_TURN), left))):
             yield 0.0, math.copysign(min(_TURN, math.sqrt(2.0 * _TURN_DECELERATION * abs(left))), left)
             left -= wrap_angle(float(self._rest[2]) - before)
             before = float(self._rest[2])
+
+    def _back_or_on(self, way: float) -> Iterator[Speeds]:
+        """Straight, by `way` [m] along the chair."""
+        begin, heading = self._pose[:2].copy(), float(self._pose[2])
+        ahead = np.array([math.cos(heading), math.sin(heading)])
+        while True:
+            left = way - float((self._rest[:2] - begin) @ ahead)
+            if left * way <= 0.0 or not self._clear(driven(self._pose, math.copysign(min(abs(left), _NEXT), way))):
+                return
+            v = math.copysign(min(_SPEED, math.sqrt(2.0 * _DECELERATION * abs(left))), way)
+            off = wrap_angle(heading - float(self._pose[2]))
+            yield v, min(max(_STEERING * off, -_TURN), _TURN)
 
     def _drive(self, place: Array) -> Iterator[Speeds]:
         """Straight to a place (x, y)."""
         while True:
             away = math.dist(self._rest[:2], place)
-            off = wrap_angle(self._bearing(place) - float(self._pose[2]))
-            ahead = self._pose + min(away, _NEXT) * np.array([math.cos(self._pose[2]), math.sin(self._pose[2]), 0.0])
-            if away <= _ARRIVED or abs(off) > 0.5 * math.pi or not self._clear(ahead[None]):
+            off = wrap_angle(_bearing(self._pose, place) - float(self._pose[2]))
+            ahead = driven(self._pose, min(away, _NEXT))[-1:]
+            if away <= _ARRIVED or abs(off) > 0.5 * math.pi or not self._clear(ahead):
                 return
             v = min(_SPEED, math.sqrt(2.0 * _DECELERATION * away)) * max(0.0, math.cos(off))
             yield v, min(max(_STEERING * off, -_TURN), _TURN)
 
-    def _bearing(self, place: Array) -> float:
-        return math.atan2(float(place[1] - self._pose[1]), float(place[0] - self._pose[0]))
-
-    def _turn_clear(self, turn: float) -> bool:
-        return self._clear(self._pose + np.linspace(0.0, 1.0, _SWEEP_STEPS)[:, None] * [0.0, 0.0, turn])
-
     def _way_clear(self, place: Array) -> bool:
-        poses = np.full((_SWEEP_STEPS, 3), self._bearing(place))
+        poses = np.full((_SWEEP_STEPS, 3), _bearing(self._pose, place))
         poses[:, :2] = self._pose[:2] + np.linspace(0.1, 1.0, _SWEEP_STEPS)[:, None] * (place - self._pose[:2])
         return self._clear(poses)
 
     def _clear(self, poses: Array) -> bool:
         margins = [self._wall_margin if k < len(self._walls) else _MARGIN for k in range(len(self._areas))]
         return keeps_clear(self._chair, self._pose, poses, self._areas, margins)
+
+
+def _bearing(here: Array, place: Array) -> float:
+    return math.atan2(float(place[1] - here[1]), float(place[0] - here[0]))
