@@ -180,11 +180,11 @@ bool PatternAligner::align(const ImageLevels& image, Alignment& a, double least)
   return true;
 }
 
-double PatternAligner::worstBit(const Alignment& a) const {
+BitErrors PatternAligner::bitErrors(const Alignment& a) const {
   const int along = book_.grid().along();
   const Eigen::VectorXf residual = (a.samples.grey - templateOf(a).grey(a.fit)).cwiseProduct(a.samples.weights);
   const double turning = 0.5 * a.fit.gain * templateOf(a).ownFraction();
-  double worst = 0.0;
+  BitErrors errors;
   for (int row = 1; row + 2 < along; row += 2) {
     for (int column = 1; column + 2 < along; column += 2) {
       double sum = 0.0, seen = 0.0;
@@ -194,11 +194,14 @@ double PatternAligner::worstBit(const Alignment& a) const {
         seen += a.samples.weights[i];
       }
       // A cell of the code that is out of the image proves nothing; one of the border may be.
-      if (seen == 0.0 && book_.grid().ring(row, column) == 2) return std::numeric_limits<double>::infinity();
-      if (seen > 0.0) worst = std::max(worst, std::abs(sum / seen) / turning);
+      const bool hidden = seen == 0.0 && book_.grid().ring(row, column) == 2;
+      if (hidden) return {std::numeric_limits<double>::infinity(), book_.grid().size()};
+      const double error = seen > 0.0 ? std::abs(sum / seen) / turning : 0.0;
+      errors.worst = std::max(errors.worst, error);
+      if (!(error < BitErrors::kLargest)) ++errors.contradicted;
     }
   }
-  return worst;
+  return errors;
 }
 
 bool PatternAligner::leaveOutCovered(Alignment& a) const {

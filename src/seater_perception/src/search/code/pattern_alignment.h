@@ -28,6 +28,15 @@ struct Alignment {
   const Eigen::VectorXf* weights() const { return samples.all() && free.size() == 0 ? nullptr : &samples.weights; }
 };
 
+/// Cells that are not as their code has them.
+struct BitErrors {
+  double worst = 0.0;    ///< largest deviation
+  int contradicted = 0;  ///< cells with kLargest and more
+
+  /// From there on, a cell speaks for the opposite bit: noise may have turned it.
+  static constexpr double kLargest = 0.9;
+};
+
 /// Moves a known code's corners to where it explains most of the image (Gauss-Newton), and chooses the template blur
 /// level.
 class PatternAligner {
@@ -51,8 +60,8 @@ class PatternAligner {
   /// The same for a print seen at a steep angle: what is round in the image is a long ellipse in cells. False, too,
   /// when the angle is not steep.
   bool alignSteep(const ImageLevels& image, Alignment& a) const;
-  /// Largest deviation of a cell's mean, of what would turn its bit round: above 1, a bit contradicts.
-  double worstBit(const Alignment& a) const;
+  /// How far cells' means deviate from the code, of what would turn a bit round: above 1, it reads as its opposite.
+  BitErrors bitErrors(const Alignment& a) const;
   /// Marks samples of border and quiet zone that deviate; false when nothing or too much does, or the marker is small.
   bool leaveOutCovered(Alignment& a) const;
 

@@ -25,6 +25,13 @@ constexpr double kEvidencePerDecade = 0.6, kLeastEvidence = 2.5;
 constexpr double kSomeIds = 0.4;
 // Codes of so many bits need no second proof: see kLeastEvidence.
 constexpr int kEnoughBits = 25;
+// A cell from 3 px on has a pixel that no edge of it touches, wherever it lies: what that shows is its bit. In smaller
+// ones, a camera that cuts off or stretches grey levels turns bits round (docs/results/photographs.md, Kinds of
+// cameras). Codes of many bits are proved by the others: as many are allowed for as half of what 36h11 can correct (5).
+// Where none is, codes of 36 bits with three such ones reach an evidence of 1.8 (docs/results/false_finds.md).
+constexpr double kWholePixel = 3.0;  // [px]
+constexpr int kMostCorrected = 3;
+constexpr double kLeastCorrected = 1.8;
 // Edges of what only resembles a code lie beside their places, and the fit takes that for blur. By the spread of grey
 // levels on them, where the image has room to show it (cells from 4 to 5 px on) and the fit is blurred (from 0.12 to
 // 0.2 cells on; a sharp one has lost its evidence already), and by how far that is in cells (3 to 4 px: of less, noise
@@ -73,24 +80,51 @@ double EvidenceThreshold::moreOfOnePatch(double cell) const {
   return one_patch * (1.0 - std::clamp(cell - kRoom, 0.0, 1.0));
 }
 
-double EvidenceThreshold::needed(double worst_bit) const {
-  return evidence + (worst_bit > kDoubtfulBit ? doubtful_bit : 0.0);
+std::optional<double> EvidenceThreshold::needed(const BitErrors& errors, double cell) const {
+  const bool doubtful = errors.worst > kDoubtfulBit, small = cell < kWholePixel;
+  const double plain = evidence + (doubtful ? doubtful_bit : 0.0);
+  if (errors.contradicted == 0) return doubtful && small && !corrected.empty() ? std::min(plain, corrected[0]) : plain;
+  const auto bits = static_cast<std::size_t>(errors.contradicted);
+  if (!small || bits > corrected.size()) return std::nullopt;
+  return corrected[bits - 1];
 }
 
 /// The fewer of all patterns are codes, the rarer one is seen by chance.
 EvidenceRule::EvidenceRule(const MarkerFamily& family, const std::set<int>& ids)
-    : some_ids_(!ids.empty() && static_cast<int>(ids.size()) < family.count()),
-      few_bits_(family.bits() * family.bits() < kEnoughBits) {
-  const double patterns = std::exp2(family.bits() * family.bits());
+    : bits_(family.bits() * family.bits()),
+      some_ids_(!ids.empty() && static_cast<int>(ids.size()) < family.count()),
+      few_bits_(bits_ < kEnoughBits) {
+  const double patterns = std::exp2(bits_);
   rarity_ = kEvidencePerDecade * std::log10(4.0 * family.count() / patterns / kReference);
 }
 
+/// With every bit that may be wrong, more patterns pass for a code: as many as there are choices of these bits.
+std::vector<double> EvidenceRule::corrected(double min_evidence) const {
+  std::vector<double> needed;
+  if (few_bits_) return needed;
+  double choices = 1.0, patterns = 1.0;
+  for (int wrong = 1; wrong <= kMostCorrected; ++wrong) {
+    choices *= static_cast<double>(bits_ - wrong + 1) / wrong;
+    patterns += choices;
+    const double rarer = min_evidence + rarity_ + kEvidencePerDecade * std::log10(patterns);
+    needed.push_back(std::max(std::min(min_evidence, kLeastCorrected), rarer));
+  }
+  return needed;
+}
+
 EvidenceThreshold EvidenceRule::whereExpected(double min_evidence) const {
-  return {std::max(std::min(min_evidence, kLeastEvidence), min_evidence + rarity_), 0.0, 0.0};
+  const double least = std::max(std::min(min_evidence, kLeastEvidence), min_evidence + rarity_);
+  return {least, 0.0, 0.0, corrected(min_evidence)};
 }
 
 EvidenceThreshold EvidenceRule::anywhere(double min_evidence) const {
-  return {whereExpected(min_evidence).evidence + (some_ids_ ? kSomeIds : 0.0), kEvidencePerDecade, kMoreOfPatch};
+  const double more = some_ids_ ? kSomeIds : 0.0;
+  EvidenceThreshold threshold = whereExpected(min_evidence);
+  threshold.evidence += more;
+  threshold.doubtful_bit = kEvidencePerDecade;
+  threshold.one_patch = kMoreOfPatch;
+  for (double& needed : threshold.corrected) needed += more;
+  return threshold;
 }
 
 }  // namespace seater_perception

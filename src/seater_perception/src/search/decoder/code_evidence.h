@@ -1,7 +1,9 @@
 // How much a read code proves, and how much it has to.
 #pragma once
 
+#include <optional>
 #include <set>
+#include <vector>
 
 #include "search/decoder/code_edges.h"
 #include "seater_perception/marker_family.h"
@@ -22,8 +24,11 @@ bool isOnePatch(const MarkerPattern& pattern);
 /// The least evidence of a code.
 struct EvidenceThreshold {
   double evidence = 0.0, doubtful_bit = 0.0, one_patch = 0.0;
+  /// What codes need some of whose bits are doubtful or turned round, by how many: from one on. Empty: none may be.
+  std::vector<double> corrected;
 
-  double needed(double worst_bit) const;
+  /// Nothing when too many bits contradict. `cell`: mean side [px]: noise turns bits of small ones only.
+  std::optional<double> needed(const BitErrors& errors, double cell) const;
   /// How much more a code of one patch needs. `cell`: mean side [px]: costOfEdges sees no more of small ones.
   double moreOfOnePatch(double cell) const;
 };
@@ -41,7 +46,10 @@ class EvidenceRule {
   bool edgesCount() const { return few_bits_; }
 
  private:
+  std::vector<double> corrected(double min_evidence) const;
+
   double rarity_;  // evidence more than of DICT_4X4_50
+  int bits_;
   bool some_ids_, few_bits_;
 };
 

@@ -23,7 +23,6 @@ constexpr double kPerhapsCode = 0.7;    // part explained by a rough fit
 // What true markers and images without markers reach: the table "Evidence of a code" in docs/results/false_finds.md,
 // and perception_range (false detections, far end).
 constexpr double kSmallestMargin = 0.045;  // of correlation, over the next best code
-constexpr double kLargestBitError = 0.9;   // of what turns a bit round: at 1 it would read as its opposite
 // Prints cut close on a grey wall (plain_markers_test: down to 0.4 of the contrast below white) or on a white one. The
 // limits were chosen by hand; beyond the lower one, the quiet zone would be nearer to the ink than to the paper.
 constexpr double kDarkestQuiet = -0.7, kLightestQuiet = 0.5;  // of the contrast, over the print's white
@@ -87,18 +86,21 @@ std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(const ImageLev
   decoded.correlation = std::sqrt(std::max(0.0, a.fit.explained));
   if (!aligner.hasBorder(a.samples)) return std::nullopt;
   if (a.fit.quiet < kDarkestQuiet * a.fit.gain || a.fit.quiet > kLightestQuiet * a.fit.gain) return std::nullopt;
-  decoded.worst_bit = aligner.worstBit(a);
-  if (!(decoded.worst_bit < kLargestBitError)) return std::nullopt;
+  const BitErrors errors = aligner.bitErrors(a);
+  decoded.worst_bit = errors.worst;
+  decoded.contradicted = errors.contradicted;
+  const double cell = meanSide(a.quad) / book.grid().cells();
+  const auto needed = threshold.needed(errors, cell);
+  if (!needed) return std::nullopt;
   const auto likely = book.compare(a.samples, a.level, 2);
   if (likely.empty() || likely[0].id != a.id || likely[0].turn != 0) return std::nullopt;
   decoded.margin = likely.size() > 1 ? likely[0].correlation - likely[1].correlation : 1.0;
   if (decoded.margin < kSmallestMargin) return std::nullopt;
   decoded.evidence = codeEvidence(decoded.correlation, decoded.worst_bit, decoded.margin, a.covered());
-  decoded.surplus = decoded.evidence - threshold.needed(decoded.worst_bit);
+  decoded.surplus = decoded.evidence - *needed;
   if (decoded.surplus < 0.0) return std::nullopt;
   if (evidence.edgesCount() && !a.moved) {
     const double sd = a.own ? a.own_sd : TemplateBook::kTemplateSd[static_cast<std::size_t>(a.level)];
-    const double cell = meanSide(a.quad) / book.grid().cells();
     double cost = costOfEdges(codeEdges(image, book, a), cell, sd);
     if (isOnePatch(book.pattern(a.id))) cost += threshold.moreOfOnePatch(cell);
     decoded.evidence -= cost;

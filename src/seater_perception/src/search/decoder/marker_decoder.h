@@ -22,7 +22,8 @@ struct DecodedMarker {
   Quad corners;              ///< top-left, top-right, bottom-right, bottom-left as the print is read [px]
   double correlation = 0.0;  ///< of the grey levels, quiet zone and border included, with the code's
   double margin = 0.0;       ///< of correlation over the next best code or orientation
-  double worst_bit = 0.0;    ///< largest deviation of a cell, of what would turn its bit round: below 1
+  double worst_bit = 0.0;    ///< largest deviation of a cell, of what would turn its bit round
+  int contradicted = 0;      ///< cells that noise has turned round
   /// -log((1 - correlation^2) worst_bit) + 5 margin: all together. What only resembles a marker has one of them at
   /// most. Each sample left out as covered counts 0.5 against it.
   double evidence = 0.0;
