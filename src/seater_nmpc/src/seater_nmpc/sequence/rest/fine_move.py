@@ -19,7 +19,7 @@ from seater_nmpc.sequence.rest.roll import Roll
 
 Array = NDArray[np.float64]
 
-_LONGEST = 0.6  # [s]
+_LONGEST = 0.6  # [s]; of one that a roll undoes more: one that rolled 38 mm came back to where it was, thirty times
 _FASTEST = (0.08, 0.35)  # [m/s, rad/s]
 _TINY = 1e-6  # [m/s or rad/s]: the smallest command
 _PUSHED = 0.2  # [s] that a turn takes, about
@@ -101,11 +101,12 @@ class FineMove:
     def _best(self) -> Array:
         """Commands (k,) of the push that leaves least; none where not moving leaves less."""
         smallest = self._axis.command(_TINY)
-        speed = _FASTEST[self.turning]
-        if self._wanted > 0.0:  # away from the dock; what it will roll back has to be driven in the same time, too
-            speed += max(0.0, -self._response.roll) / (0.5 * _LONGEST)
+        speed, longest = _FASTEST[self.turning], _LONGEST
+        if self._wanted > 0.0:  # away from the dock; what it will roll back has to be driven, too
+            back = max(0.0, -self._response.roll)
+            speed, longest = speed + back / (0.5 * _LONGEST), longest + back / (0.5 * self._most)
         fastest = max(min(self._axis.command(speed), self._most), smallest)
-        most = max(1, round(_LONGEST / self._period))
+        most = max(1, round(longest / self._period))
         ramp = self._rate * self._period * np.arange(1, most + 1)
         levels, cycles = np.linspace(smallest, fastest, _LEVELS), np.arange(1, most + 1)
         pushes = np.minimum(ramp, levels[:, None])[None] * (ramp <= ramp[cycles - 1, None])[:, None]
