@@ -43,7 +43,7 @@ def inverse(T_a_b: ArrayLike) -> Array:
 def relative(T_a_b: ArrayLike, T_a_c: ArrayLike) -> Array:
     """T_b_c, shape (3,): c as seen from b, both given in a."""
     x, y, heading = np.asarray(T_a_b, dtype=float).tolist()
-    cx, cy, c_heading = np.asarray(T_a_c, dtype=float).tolist()
+    cx, cy, c_heading = np.asarray(T_a_c, dtype=float).tolist()  # compose(inverse(...)) takes twice as long
     c, s, dx, dy = math.cos(heading), math.sin(heading), cx - x, cy - y
     return np.array([c * dx + s * dy, c * dy - s * dx, wrap_angle(c_heading - heading)])
 

@@ -47,16 +47,6 @@ class DockEstimate:
     drift: Array  # (4,) errors of the odometry e_s [-], e_t [-], e_d [rad/m], b [rad/s], see drift.py
     slip: float  # that the filter reckons with, see drift.py
 
-    def true_speeds(self, v: float, omega: float) -> tuple[float, float]:
-        """Of the chair [m/s, rad/s], from those that the odometry reports."""
-        return _true_speeds(self.drift, v, omega)
-
-
-def _true_speeds(drift: Array, v: float, omega: float) -> tuple[float, float]:
-    e_s, e_t, e_d, b = drift.tolist()
-    v = v / (1.0 + e_s)
-    return v, (omega - b - e_d * v) / (1.0 + e_t)
-
 
 class DockObserver:
     """Where the dock is, how old and how certain the answer is."""
@@ -166,7 +156,11 @@ class DockObserver:
         """(v [m/s], omega [rad/s]) of the chair, from those that the odometry reports; the same where nothing is known
         of its errors. These stay as the last image left them, so that no estimate has to be made for it."""
         last = self._bank.last
-        return (v, omega) if last is None else _true_speeds(last.mean[3:], v, omega)
+        if last is None:
+            return v, omega
+        e_s, e_t, e_d, b = last.mean[3:].tolist()
+        v = v / (1.0 + e_s)
+        return v, (omega - b - e_d * v) / (1.0 + e_t)
 
     def measurements_since(self, stamp: float) -> list[tuple[Instant, Measurement]]:
         """What was used of images taken at or after `stamp`: the chair then, and the dock in odom."""

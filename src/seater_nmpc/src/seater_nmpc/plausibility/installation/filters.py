@@ -39,6 +39,11 @@ _LOG_OUTLIER = math.log(0.03)
 _SETTLES, _CONTRADICT = 4, 2
 
 
+def stacked(found: list[Found]) -> tuple[Array, Array]:
+    """Values (k, 4) and covariances (k, 4, 4) by k filters."""
+    return np.stack([values for values, _ in found]), np.stack([P for _, P in found])
+
+
 class SlipFilters:
     """`restart` them, `begin` at an image, `add` those that follow; then ask what each has `found`."""
 
@@ -55,8 +60,7 @@ class SlipFilters:
 
     def interrupt(self) -> None:
         """Keep what was found, and the evidence; where the dock is in odom comes from the next image."""
-        found = self.found
-        self._follow_anew(np.stack([values for values, _ in found]), np.stack([P for _, P in found]))
+        self._follow_anew(*stacked(self.found))
 
     def _follow_anew(self, values: Array, covariances: Array) -> None:
         self._from = values, covariances

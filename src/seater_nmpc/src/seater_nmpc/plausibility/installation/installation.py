@@ -19,7 +19,7 @@ from seater_nmpc.observe.measurement import Measurement, difference
 from seater_nmpc.observe.odometry.instant import Instant
 from seater_nmpc.parameters import ObserverParameters
 from seater_nmpc.plausibility.installation.effect import Effect
-from seater_nmpc.plausibility.installation.filters import Found, SlipFilters
+from seater_nmpc.plausibility.installation.filters import Found, SlipFilters, stacked
 from seater_nmpc.plausibility.installation.knowledge import (
     PLACES,
     PRIOR,
@@ -130,7 +130,7 @@ class Installation:
         self._steadiness.add(found)
         if before is not None:
             self._floor_changed = True
-            filters.restart(np.stack([values for values, _ in before]), np.stack([P for _, P in before]))
+            filters.restart(*stacked(before))
             self._begin_images()
 
     def learn(self, limits: Array, certainty: float, *, turned: bool = False) -> None:
@@ -149,8 +149,8 @@ class Installation:
                 self.known = replace(self.known, covariances=self.known.covariances + np.diag(_FADES**2))
                 return
             found, dockings = self._filters.found, self.known.dockings + 1
-        values: Array = np.stack([one for one, _ in found])
-        self.known = Knowledge(dockings, values, np.stack([P for _, P in found]) + np.diag(_FADES**2), turned)
+        values, covariances = stacked(found)
+        self.known = Knowledge(dockings, values, covariances + np.diag(_FADES**2), turned)
 
     def error(self, dock: Array = _DOCKED) -> InstallationError | None:
         """By the filter that accuses least, of those that explain the images about as well as the likeliest one; None

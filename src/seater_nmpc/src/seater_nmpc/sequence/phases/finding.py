@@ -101,10 +101,9 @@ class Finding:
 
     def _begin_search(self, known: bool, here: Array) -> Search:
         c = self._context
-        round_to_the_front = self._lost == _LOOKS
-        first = () if known or round_to_the_front else SWEEPS[:1] if self._lost or self._front.hidden(here) else SWEEPS
-        go = known or round_to_the_front or not self._lost
-        return Search(c.chair, c.dock, c.observer.images.period, first=first, go=go)
+        at_once = known or self._lost == _LOOKS  # round to the front
+        first = () if at_once else SWEEPS[:1] if self._lost or self._front.hidden(here) else SWEEPS
+        return Search(c.chair, c.dock, c.observer.images.period, first=first, go=at_once or not self._lost)
 
     def _in_vain(self) -> GoalEnd:
         why = self._context.observer.images.why_unseen

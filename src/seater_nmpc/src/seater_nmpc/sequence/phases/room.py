@@ -38,14 +38,15 @@ def make_room(pose: Array, aim: Aim, clear: Clear) -> tuple[float, float] | None
     best, least = None, math.inf
     begins = [turn for turn in _TURNS if clear(turned(pose, turn))]
     for turn, way in sorted(product(begins, _WAYS), key=lambda move: _cost(*move)):
-        begin = turned(pose, turn)[-1]
-        there = driven(begin, way)[-1]
-        short = abs(wrap_angle(aim(there[:2]) - float(there[2])))  # at least so much is left
-        if _cost(turn, way) + _TURN_COSTS * short >= least or not clear(driven(begin, way)):
+        poses, cost = driven(turned(pose, turn)[-1], way), _cost(turn, way)
+        there = poses[-1]
+        heading = aim(there[:2])
+        short = abs(wrap_angle(heading - float(there[2])))  # at least so much is left
+        if cost + _TURN_COSTS * short >= least or not clear(poses):
             continue
-        rest = clear_turn(there, aim(there[:2]), clear)
-        if rest is not None and _cost(turn, way) + _TURN_COSTS * abs(rest) < least:
-            best, least = (turn, way), _cost(turn, way) + _TURN_COSTS * abs(rest)
+        rest = clear_turn(there, heading, clear)
+        if rest is not None and cost + _TURN_COSTS * abs(rest) < least:
+            best, least = (turn, way), cost + _TURN_COSTS * abs(rest)
     return best
 
 
