@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,8 @@ import pytest
 
 from seater_common.geometry import Chair, Limits
 from seater_identify.drive.driver import ASTRAY, TURN_BACK, Driver, DriveState
-from seater_identify.drive.moves import OMEGA, TurnBack
-from seater_identify.drive.script import AreaError
+from seater_identify.drive.moves import OMEGA, Travel, TurnBack, V
+from seater_identify.drive.script import AreaError, make_script, straight_way
 from seater_identify.settings import AreaSettings, IdentifySettings
 from seater_identify.trial.simulation import simulate
 from seater_sim.chair.plant_ranges import load_plant_ranges
@@ -80,6 +81,23 @@ def test_old_odometry_stops_at_once() -> None:
     assert driver.command(now + 0.29) != (0.0, 0.0)
     assert driver.command(now + 0.31) == (0.0, 0.0)
     assert driver.state is DriveState.STOPPED and "odometry" in driver.text
+
+
+@pytest.mark.parametrize("chair", [CHAIR, Chair(length_front=0.35, length_rear=0.7)], ids=["rear", "front-wheel drive"])
+def test_it_turns_at_two_places_far_apart_and_needs_no_more_area_for_it(chair: Chair) -> None:
+    way = straight_way(SETTINGS, chair)
+    places, at = [], 0.0
+    for move in make_script(SETTINGS, chair):
+        if isinstance(move, Travel) and move.axis == V:
+            at += move.amount
+        elif isinstance(move, Travel):
+            places.append((math.copysign(1.0, move.amount), at))
+    assert at == pytest.approx(0.0) and len(places) == 4
+    (left,), (right,) = ({round(place, 9) for sign, place in places if sign == turn} for turn in (1.0, -1.0))
+    assert right - left > 0.3
+    radius = math.hypot(max(chair.length_front, chair.length_rear), 0.5 * chair.width)
+    in_the_middle = max(chair.length_rear, radius - 0.5 * way), max(way + chair.length_front, 0.5 * way + radius)
+    assert radius - left <= in_the_middle[0] + 1e-9 and right + radius <= in_the_middle[1] + 1e-9
 
 
 def test_leaving_the_area_stops_at_once() -> None:

@@ -56,6 +56,12 @@ def test_a_ramp_slower_than_the_commands_is_found_and_a_faster_one_is_a_bound() 
     assert fast.quality is Quality.BOUND and fast.value == pytest.approx(0.5, rel=0.1)
 
 
+def test_deadbands_that_hardly_matter_are_found() -> None:
+    found = identify(drive(Truth(deadband=(0.0038, 0.006), tick=1e-4)))
+    assert found["deadband_v"].value == pytest.approx(0.0038, abs=0.001)
+    assert found["deadband_omega"].value == pytest.approx(0.006, abs=0.001)
+
+
 def test_without_the_dock_odometry_is_refused_and_gains_are_less_certain() -> None:
     blind = identify(drive(TRUTH, dock=False))
     for name in ("odometry_scale", "odometry_heading_scale", "odometry_heading_drift"):

@@ -1,7 +1,7 @@
 """Which moves excite what.
 
-Straights at three speeds there and back: delay, lag, gain and ramp of the speed, odometry scale and drift. Whole turns
-both ways in the middle of the way: the same of the turning rate, and the heading scale, because the dock is seen
+Straights at three speeds there and back: delay, lag, gain and ramp of the speed, odometry scale and drift. A whole turn
+each way, each at a place of its own: the same of the turning rate, and the heading scale, because the dock is seen
 before and after a whole turn. Slow rises from zero, each after a move the same way so that the castors already trail:
 deadbands.
 """
@@ -14,7 +14,7 @@ from seater_common.geometry import Chair, Limits
 from seater_identify.drive.moves import OMEGA, Creep, Move, Pause, Travel, V
 from seater_identify.settings import DriveSettings, IdentifySettings
 
-LOW_SHARE = 1.0 / 20.0  # of the end of a slow rise, where it begins
+LOW_SHARE = 1.0 / 40.0  # of the end of a slow rise, where it begins
 # [s] for which a slow rise in turning goes on once the chair moves: whether the deadband is taken off every command
 # shows at several times the deadband; from there on it looks like a smaller gain.
 RISE_ON = 4.5
@@ -27,7 +27,7 @@ class AreaError(ValueError):
 
 
 def make_script(settings: IdentifySettings, chair: Chair) -> list[Move]:
-    """The drive, about a minute. Raises AreaError with the sizes that would do."""
+    """The drive, one and a half minutes. Raises AreaError with the sizes that would do."""
     way = straight_way(settings, chair)
     drive, limits = settings.drive, chair.limits
     forward = min(drive.v, limits.v_max)
@@ -35,6 +35,7 @@ def make_script(settings: IdentifySettings, chair: Chair) -> list[Move]:
     turning = min(drive.omega, limits.omega_max)
     pause = Pause(drive.pause)
     half, turn = 0.5 * way, 2.0 * math.pi
+    first, second = turning_places(chair, way)
     moves: list[Move] = [Pause(1.5)]
     for move in (
         Travel(V, half, 0.6 * forward),
@@ -43,14 +44,15 @@ def make_script(settings: IdentifySettings, chair: Chair) -> list[Move]:
         Travel(V, -way, backward),
         _creep(drive, V, -1.0, limits),
         Travel(V, way, forward),
-        Travel(V, -half, 0.6 * backward),
+        Travel(V, first - way, 0.6 * backward),
         Travel(OMEGA, 0.25 * turn, 0.6 * turning),
         _creep(drive, OMEGA, 1.0, limits),
         Travel(OMEGA, 0.75 * turn, turning),
+        Travel(V, second - first, 0.6 * forward),
         Travel(OMEGA, -0.25 * turn, 0.6 * turning),
         _creep(drive, OMEGA, -1.0, limits),
         Travel(OMEGA, -0.75 * turn, turning),
-        Travel(V, -half, backward),
+        Travel(V, -second, backward),
     ):
         moves += [move, pause]
     return [*moves, Pause(0.5)]
@@ -69,6 +71,13 @@ def straight_way(settings: IdentifySettings, chair: Chair) -> float:
             f"{width + 0.005:.2f} m for a chair that needs {2.0 * radius:.2f} m to turn"
         )
     return way
+
+
+def turning_places(chair: Chair, way: float) -> tuple[float, float]:
+    """[m] ahead of the start where the chair turns to the left, and to the right: as far apart as the area that the way
+    needs allows, since a slippery patch under one of them would look like motors that turn the chair too slowly."""
+    radius, half = _turning_radius(chair), 0.5 * way
+    return min(half, radius - chair.length_rear), max(half, way + chair.length_front - radius)
 
 
 def origin_in_area(settings: IdentifySettings, chair: Chair) -> float:
