@@ -9,6 +9,7 @@ import pytest
 from conftest import FINE
 
 from seater_nmpc.sequence.rest.after_effects import AfterEffects
+from seater_nmpc.sequence.rest.roll import Roll
 
 
 def test_nothing_is_known_before_the_first_move() -> None:
@@ -52,6 +53,17 @@ def test_the_turn_per_metre_of_a_push_is_learned() -> None:
     for _ in range(20):
         effects.learn(False, np.array([-0.02, 0.0, 3.1]), np.array([-0.01, 0.0, -3.1]))
     assert effects.turn_of_push(-0.01) == pytest.approx(0.03, rel=1e-3)  # 3 rad/m at most
+
+
+def test_the_turn_of_a_push_against_a_roll_is_that_of_the_way_it_is_driven() -> None:
+    """Driven back 54 mm, rolled ahead 50 mm, turned by 0.7 deg each time: per metre that it got that is 3 rad, and of
+    the push from 49 mm on, after the turn, 3 deg the other way were expected."""
+    effects = AfterEffects()
+    effects.roll = Roll(0.026, 1.45, 0.007)
+    for x in (0.024, 0.02):
+        effects.learn(False, np.array([x, 0.0, 0.0]), np.array([x - 0.004, 0.0, 0.0125]), 0.5)
+    assert effects.turn_of_push(0.004) == pytest.approx(0.0125, abs=0.0005)
+    assert 0.01 < effects.turn_of_push(0.049) < 0.015
 
 
 def test_the_shift_of_a_turn_is_learned() -> None:

@@ -86,7 +86,7 @@ def test_an_offset_that_only_verification_shows_is_mended(make_world, bias: floa
 
 
 def test_a_chair_that_is_only_short_of_the_dock_and_has_way_enough_drives_on() -> None:
-    level, rolls, turns = Roll(), Roll(-0.02, 1.0), Roll(-0.02, 1.0, 0.01)
+    level, rolls, turns, rolls_on = Roll(), Roll(-0.02, 1.0), Roll(-0.02, 1.0, 0.01), Roll(0.02, 1.0)
     for error, overshoot, roll, drives in (
         ((-0.02, 0.0, 0.0), 0.0, level, True),
         ((-0.008, 0.0, 0.0), 0.0, level, False),  # no way to be steered on
@@ -96,6 +96,8 @@ def test_a_chair_that_is_only_short_of_the_dock_and_has_way_enough_drives_on() -
         ((-0.02, 0.0, 0.03), -0.02, rolls, False),
         ((-0.02, 0.0, 0.0), -0.02, turns, False),
         ((0.02, 0.0, 0.0), 0.02, level, False),
+        ((-0.01, 0.0, 0.0), 0.02, rolls_on, False),  # it would have to stop before it has begun
+        ((-0.03, 0.0, 0.0), 0.02, rolls_on, True),
     ):
         assert has_way_on(np.array(error), overshoot, roll, P) is drives, (error, overshoot)
     assert next_overshoot(-0.01, 0.0, level) == -0.01 and next_overshoot(-0.01, 0.0, rolls) == pytest.approx(-0.015)

@@ -1,12 +1,17 @@
 """One small move of a standing chair: how far it goes, in which direction, and what the next one learns from it."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from seater_common.geometry import Chair
 from seater_nmpc.drive.axis import AxisDrive, ChairDrive
+from seater_nmpc.parameters import SequenceParameters
+from seater_nmpc.sequence.rest.correction import Correction
 from seater_nmpc.sequence.rest.fine_move import FineMove
 from seater_nmpc.sequence.rest.roll import Roll
+from seater_nmpc.sequence.rest.small_moves import SmallMoves
 
 LIMITS, PERIOD = Chair().limits, 0.05
 LAG, STEPS = 0.2, 20
@@ -195,3 +200,57 @@ def test_a_chair_that_has_rolled_too_far_ahead_is_pushed_back_at_first_only() ->
         FineMove(error, False, drive, LIMITS, PERIOD, roll=Roll(0.012, 0.6), early=early) for early in (True, False)
     )
     assert first.is_worthwhile and not later.is_worthwhile
+
+
+OFFSET = AxisDrive(1.0, 0.02, True)  # the chair
+BELIEVED = chair(AxisDrive(1.0, 0.0173))  # of it
+ROLL = Roll(0.026, 1.45)
+
+
+def pushed(x: float, before: FineMove | None, *, early: bool = False) -> tuple[float, FineMove]:
+    """Where it stands after the next push."""
+    move = FineMove(np.array([x, 0.0, 0.0]), False, BELIEVED, LIMITS, PERIOD, before, roll=ROLL, must=True, early=early)
+    done, asked = carry_out(move, OFFSET)
+    assert move.is_worthwhile and all(speed < 0.0 for speed in asked)
+    x += done + ROLL.way(PERIOD * len(asked))
+    move.learn(np.array([x, 0.0, 0.0]))
+    return x, move
+
+
+def test_a_chair_that_rolls_farther_than_it_has_to_go_is_pushed_against_its_roll() -> None:
+    """10 mm before the dock, it rolls 38: the alternative was another attempt."""
+    before = pushed(0.028, None)[1]
+    before.leave()
+    x, _ = pushed(-0.01, before, early=True)
+    assert abs(x) < 0.008
+
+
+def test_after_a_turn_it_is_pushed_back_over_all_that_it_has_rolled() -> None:
+    """Two rolls' way in one push, once others have shown how much less than asked for they do."""
+    x, before = pushed(0.028, None)
+    x, before = pushed(x, before)
+    assert abs(pushed(0.07, before)[0]) < 0.008
+
+
+def test_a_roll_of_five_centimetres_is_believed() -> None:
+    """The rolls that were thought possible ended at 40 mm."""
+    move = FineMove(np.array([0.02, 0.0, 0.0]), False, BELIEVED, LIMITS, PERIOD, roll=Roll(0.035, 1.45))
+    assert move._response.roll == pytest.approx(-0.05, abs=0.003)
+
+
+def test_what_pushes_have_shown_is_kept_in_part_for_another_attempt() -> None:
+    """It was forgotten: the first push of each attempt was as short of the dock as the first of all."""
+    moves, left = SmallMoves(LIMITS, SimpleNamespace(drive=BELIEVED), SequenceParameters()), []
+    for _ in range(2):
+        x = 0.028
+        for _ in range(2):
+            error = np.array([x, 0.0, 0.0])
+            assert moves.choose(error, ROLL, PERIOD) is Correction.MOVE
+            moves.begin(error)
+            done, asked = carry_out(moves.move, OFFSET)
+            x += done + ROLL.way(PERIOD * len(asked))
+            left.append(x)
+            if x < 0.006:
+                break
+        moves.leave(back_soon=False)
+    assert left[0] > 0.01 > 0.006 > abs(left[-1]) and len(left) == 3, left

@@ -110,7 +110,7 @@ def rows() -> dict[str, list[Row]]:
     sets["zero_twist"] = [Row("zero_twist", changed(kinematic(), "encoders", zero_twist=True))]
     alone = [*_ALONE, "camera_rate", "odometry_rate", "zero_twist"]
     single = {row.name: [row] for members in sets.values() for row in members if row.name not in sets}
-    single |= {f"{name}_1x": sets[name][:1] for name in _ALONE}
+    single |= {f"{name}_1x": members[:1] for name, members in sets.items() if members[0].name == name and members[1:]}
     return {**sets, **single, "effects": [row for name in alone for row in sets[name]]}
 
 

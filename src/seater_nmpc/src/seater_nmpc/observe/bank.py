@@ -79,7 +79,8 @@ class FilterBank:
         answer = looks[self._chosen] or looks[before]
         assert answer is not None  # the chosen filter covers the stamp
         self._answer = answer
-        return Fusion(outcome=Outcome.FUSED if answer.fused else Outcome.GATE, innovation=answer.innovation)
+        outcome = Outcome.FUSED if answer.fused else Outcome.GATE
+        return Fusion(outcome=outcome, innovation=answer.innovation, measurement=answer.measurement)
 
     def _weigh(self, looks: list[Look | None]) -> None:
         worst = min(look.log_likelihood for look in looks if look is not None)

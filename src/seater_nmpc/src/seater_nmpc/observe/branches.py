@@ -8,6 +8,9 @@ made it so (lens, light, print) is the same in the next.
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import permutations
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -55,27 +58,32 @@ class Branches:
         if self.other is None or not self.other.covers(chair.stamp):
             return fusion
         its_own = self._of_the_other(offered)
-        says, used = -_MOST, False
+        says, its_look = -_MOST, None
         if its_own:
-            used = self.other.take(chair, its_own).outcome is Outcome.FUSED
+            its_look = self.other.take(chair, its_own)
             says = float(np.clip(self.other.support - self.dock.support, -_MOST, _MOST))
         if self._moved(chair):
             self._counted = chair
             self._odds = _FADING * self._odds + says
         if self._odds < _GIVEN_UP:
             self.other = None
-        elif self._odds > _ANOTHER and used and not settled:
+        elif self._odds > _ANOTHER and its_look is not None and its_look.outcome is Outcome.FUSED and not settled:
             self.dock, self.other, self._odds = self.other, self.dock, -self._odds
-            return Fusion(outcome=Outcome.ACQUIRED, innovation=fusion.innovation)
+            return replace(its_look, outcome=Outcome.ACQUIRED, innovation=fusion.innovation)
         return fusion
 
     def _of_the_other(self, offered: list[Measurement]) -> list[Measurement]:
         """What an image shows of the other place: what shows the dock must not draw it there. Where odometry drifts,
-        both are off alike, so of two poses the one that is not the dock's is the other's."""
-        of_the_dock = min(offered, key=lambda measurement: self._off(measurement, self.dock))
+        both are off alike, so of two poses the one that is not the dock's is the other's. Which is whose is decided of
+        both at once: the wrong one moves as the chair does, and may come to lie farther from where it was than the
+        right one does."""
+        assert self.other is not None
+        from_dock = [self._off(measurement, self.dock) for measurement in offered]
+        from_other = [self._off(measurement, self.other) for measurement in offered]
         if len(offered) == 1:
-            nearer = self.other is not None and self._off(offered[0], self.other) < self._off(offered[0], self.dock)
-            return offered if nearer else []
+            return offered if from_other[0] < from_dock[0] else []
+        pairs = permutations(range(len(offered)), 2)
+        of_the_dock = offered[min(pairs, key=lambda pair: from_dock[pair[0]] + from_other[pair[1]])[0]]
         return [m for m in offered if between(m, of_the_dock) > _TWO]
 
     def _off(self, measurement: Measurement, bank: FilterBank) -> float:

@@ -5,20 +5,16 @@ from __future__ import annotations
 import math
 import statistics
 from collections import Counter, deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
-import numpy as np
-from numpy.typing import NDArray
-
 from seater_nmpc.observe.innovation import Fusion, Innovation, Outcome
-from seater_nmpc.observe.measurement import Measurement, distance
+from seater_nmpc.observe.measurement import Measurement, difference, distance
 from seater_nmpc.observe.odometry.instant import Instant
-
-Array = NDArray[np.float64]
 
 _FIRST_DOUBTED = 3  # images by which a jump is told from one wrong image
 _RATE_IMAGES = 9  # images from which their usual distance in time is taken
+_LEFT_OPEN = 0.05  # weight of a pose, from which on its image leaves it open
 _CONTRADICTING = (4, 0.25)  # images in a row, and time [s], after which images that are not believed contradict
 _TEXTS = {
     Outcome.EMPTY: "show no marker of the dock (out of view, covered, too dark or too far)",
@@ -34,12 +30,29 @@ _TEXTS = {
 
 
 @dataclass(frozen=True)
+class Doubted:
+    """An image that was not believed at first."""
+
+    chair: Instant
+    expected: Measurement  # the dock in odom as it was known, with what calibration leaves
+    shown: list[Measurement]  # the poses of the dock in odom that it leaves open, the likeliest first
+    gate: float  # squared Mahalanobis distance
+
+    def agreeing(self, taken_up: Measurement) -> Doubted:
+        """With those poses alone that agree with what was believed at last: the others were wrong."""
+        known = taken_up.covariance + self.expected.covariance
+        agree = [m for m in self.shown if distance(m.pose, taken_up.pose, m.covariance + known) <= self.gate]
+        return replace(self, shown=agree)
+
+
+@dataclass(frozen=True)
 class Jump:
     """The dock was acquired anew, or may be, where images that were not believed at first show it; or they were taken
     for slip."""
 
     before: Instant  # the chair at the last image but one that was used
-    doubted: list[tuple[Instant, Array, Innovation]]  # the first of them: chair, dock (3,) in odom, how far off that is
+    left_open: list[Measurement]  # the other poses of the dock in odom that this one left open
+    doubted: list[Doubted]  # the first of those that were not believed
 
 
 class Images:
@@ -58,8 +71,8 @@ class Images:
         self._last_rejected: Innovation | None = None  # of the newest image, when it was outside the gate
         self._since_used: Counter[Outcome] = Counter()  # what became of the images since the last used one
         self._doubted = (0.0, 0.0)  # times of the first and the last image outside the gate since then [s]
-        self._off: list[tuple[Instant, Array, Innovation]] = []  # the first of these images
-        self._used: deque[Instant] = deque(maxlen=2)  # the chair at the last used ones
+        self._off: list[Doubted] = []  # the first of these images
+        self._used: deque[tuple[Instant, list[Measurement]]] = deque(maxlen=2)  # used last, and their other poses
         self.jump: Jump | None = None  # the newest one
 
     def show(self, chair: Instant, offered: list[Measurement]) -> None:
@@ -80,18 +93,18 @@ class Images:
         if fusion.outcome is Outcome.GATE:
             self._last_rejected = fusion.innovation
             self._doubted = (stamp if doubted == 1 else self._doubted[0], stamp)
-            if chair is not None and fusion.innovation is not None and len(self._off) < _FIRST_DOUBTED:
-                self._off.append((chair, offered[0].pose, fusion.innovation))
+            if chair is not None and len(self._off) < _FIRST_DOUBTED:
+                self._off += _doubted(chair, offered, fusion)
         elif fusion.outcome.accepted:
             if fusion.outcome is Outcome.ACQUIRED:
                 self.jump = None
             elif doubted and fusion.outcome is Outcome.FUSED and as_expected:
                 self._drop(*self._doubted)
             elif doubted:
-                self.jump = self._taken_up(offered)
+                self.jump = self._taken_up(fusion.measurement)
             self._last_rejected, self._off = None, []
             if chair is not None:
-                self._used.append(chair)
+                self._used.append((chair, _others(offered, fusion.measurement)))
             self._since_used.clear()
 
     def no_longer_waiting(self) -> None:
@@ -107,7 +120,7 @@ class Images:
     def doubted(self) -> Jump | None:
         """What the first images show that were not believed since the last used ones; None: all were. Of these one
         alone may be wrong: after a way without images anything is believed."""
-        return Jump(self._used[0], list(self._off)) if self._used and self._off else None
+        return Jump(*self._used[0], list(self._off)) if self._used and self._off else None
 
     @property
     def contradict(self) -> bool:
@@ -134,19 +147,31 @@ class Images:
             parts.insert(0, f"{outside} show the dock but were rejected{_how_far(self._last_rejected)}")
         return f"of {total} images " + ", ".join(parts)
 
-    def _taken_up(self, offered: list[Measurement]) -> Jump | None:
-        """By an image that leaves these places open: those that agree with one of them; the others were wrong."""
-
-        def agrees(dock: Array, off: Innovation) -> bool:
-            return any(distance(m.pose, dock, m.covariance + off.covariance) <= off.gate for m in offered)
-
+    def _taken_up(self, measurement: Measurement | None) -> Jump | None:
+        """By an image that was believed for this: those that agree with it; the others were wrong."""
         jump = self.doubted
-        return None if jump is None else Jump(jump.before, [entry for entry in jump.doubted if agrees(*entry[1:])])
+        if jump is None or measurement is None:
+            return None
+        agreeing = [image.agreeing(measurement) for image in jump.doubted]
+        return replace(jump, doubted=[image for image in agreeing if image.shown])
 
     def _drop(self, first: float, last: float) -> None:
         kept = [entry for entry in self.shown if not first <= entry[0].stamp <= last]
         self.shown.clear()
         self.shown.extend(kept)
+
+
+def _doubted(chair: Instant, offered: list[Measurement], fusion: Fusion) -> list[Doubted]:
+    off, likeliest = fusion.innovation, fusion.measurement
+    if off is None or likeliest is None:
+        return []
+    expected = Measurement(difference(likeliest.pose, off.value), off.covariance - likeliest.covariance)
+    return [Doubted(chair, expected, [likeliest, *_others(offered, likeliest)], off.gate)]
+
+
+def _others(offered: list[Measurement], used: Measurement | None) -> list[Measurement]:
+    """The poses that an image leaves open beside the one that was used."""
+    return [m for m in offered if m is not used and m.weight >= _LEFT_OPEN]
 
 
 def _how_far(innovation: Innovation | None) -> str:

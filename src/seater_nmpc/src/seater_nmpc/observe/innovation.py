@@ -75,6 +75,7 @@ class Fusion:
 
     outcome: Outcome
     innovation: Innovation | None = None  # of the likeliest hypothesis, once there is an estimate to compare with
+    measurement: Measurement | None = None  # of the poses that the image leaves open the one that this is about
 
 
 def likeliest(

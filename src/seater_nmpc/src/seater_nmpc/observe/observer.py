@@ -232,12 +232,12 @@ class DockObserver:
         too_far = self._too_far(chair, agreed.series)
         if too_far is not None and self._was_mirrored(chair, agreed.series):
             self._begin(agreed)
-            return Fusion(outcome=Outcome.ACQUIRED, innovation=fusion.innovation)
+            return Fusion(outcome=Outcome.ACQUIRED, innovation=fusion.innovation, measurement=agreed.series[-1][1])
         self.elsewhere = too_far if self._bounded else None
         if self.elsewhere is not None:
             return Fusion(outcome=Outcome.ELSEWHERE, innovation=fusion.innovation)
         self._begin(agreed)
-        return Fusion(outcome=Outcome.REACQUIRED, innovation=fusion.innovation)
+        return Fusion(outcome=Outcome.REACQUIRED, innovation=fusion.innovation, measurement=agreed.series[-1][1])
 
     def _was_mirrored(self, chair: Instant, series: Series) -> bool:
         """Whether the dock was known by the mirror image of what these images show."""

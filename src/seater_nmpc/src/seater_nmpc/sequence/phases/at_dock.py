@@ -126,11 +126,11 @@ class AtDock:
         goal, after_final = self._context.goal, self._begun_by is Phase.FINAL
         self._stops.ended(error, goal.expected_rest, first=after_final and not (goal.retries or self._driven_on))
         goal.expected_rest = None
-        if self._stops.off is not None:
-            off = np.where(np.abs(self._stops.off) > _OVERSHOT, self._stops.off, 0.0)
-            goal.overshoot, goal.overturn = off.tolist()
         if after_final or self._begun_by is Phase.CORRECTING:
             self._stops.learn_roll(self._context.controller.history)
+        off = self._stops.next_off
+        if off is not None:
+            goal.overshoot, goal.overturn = np.where(np.abs(off) > _OVERSHOT, off, 0.0).tolist()
 
     def _needs_move(self) -> bool:
         """Whether verification shows, beyond doubt, what the few images before it did not."""
@@ -143,7 +143,7 @@ class AtDock:
 
     def _decide(self, error: Array) -> Phase:
         c, verdict = self._context, self._choose(error)
-        last = c.goal.retries >= c.parameters.max_retries
+        last = self._is_last
         if verdict is Correction.TURN and self._moves.turn_in_vain(float(error[2])) and not last:
             verdict = Correction.AGAIN
         if verdict is not Correction.TURN and self._drives_on(error):
@@ -169,4 +169,11 @@ class AtDock:
         return True
 
     def _choose(self, error: Array) -> Correction:
-        return self._moves.choose(error, self._stops.roll, self._context.controller.period)
+        c = self._context
+        verdict = self._moves.choose(error, self._stops.roll, c.controller.period)
+        risky = verdict is Correction.TURN and self._moves.turns_shift and self._is_last
+        return Correction.STAY if risky and within(error, c.dock.tolerance) else verdict
+
+    @property
+    def _is_last(self) -> bool:
+        return self._context.goal.retries >= self._context.parameters.max_retries

@@ -1,8 +1,9 @@
 """What small moves do beside what they are for, learned from one to the next.
 
 Castors that a turn on the spot has swung out turn the chair as it drives on, by about as much per metre as the last
-time; and while its brakes are open for a turn, a chair on a slope rolls, or the castors push it. So a turn that is to
-be followed by a push leaves what that push will turn.
+time: per metre that the motors drive it, which on a slope is more or less than it gets, as it rolls meanwhile. And
+while its brakes are open for a turn, such a chair rolls, or the castors push it. So a turn that is to be followed by a
+push leaves what that push will turn.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ Array = NDArray[np.float64]
 
 _SHORTEST = 0.002  # [m] of a push, from which its turn per metre is learned
 _MOST = (3.0, 0.03)  # [rad/m, m] that is believed
-_PUSHED = 0.3  # [s] about
+_PUSHED = 0.3  # [s] about, before the first push
 _NEWEST = 0.5  # weight of the newest move
 _HELD, _HELD_FROM = 0.15, 0.01  # share of an error of so many [rad], at least, that a turn mends: less, and it was held
 _HELD_TURNS = 2  # in a row
@@ -34,9 +35,10 @@ class AfterEffects:
         self._held = 0  # turns in a row that hardly turned the chair
         self._turned_from: float | None = None  # [rad] off before the last turn
         self._pushed = False  # since the last turn
+        self._pushed_for = _PUSHED  # [s] the last time
 
-    def learn(self, turning: bool, before: Array, after: Array) -> None:
-        """A move has brought the chair from one error to the other; it has rolled meanwhile."""
+    def learn(self, turning: bool, before: Array, after: Array, pushed: float = _PUSHED) -> None:
+        """A move, of `pushed` [s], has brought the chair from one error to the other; it has rolled meanwhile."""
         way, turn = float(after[0] - before[0]), wrap_angle(float(after[2] - before[2]))
         if turning:
             self._way_per_turn = _mean(self._way_per_turn, way, _MOST[1])
@@ -44,9 +46,10 @@ class AfterEffects:
             self._held = self._held + 1 if held else 0
             self._turned_from, self._pushed = abs(float(before[2])), False
             return
-        self._pushed = True
-        if abs(way) >= _SHORTEST:
-            self.turn_per_way = _mean(self.turn_per_way, (turn - self.roll.turn(_PUSHED)) / way, _MOST[0])
+        self._pushed, self._pushed_for = True, pushed
+        driven = way - self.roll.way(pushed)
+        if abs(driven) >= _SHORTEST:
+            self.turn_per_way = _mean(self.turn_per_way, (turn - self.roll.turn(pushed)) / driven, _MOST[0])
 
     @property
     def in_words(self) -> str:
@@ -72,7 +75,8 @@ class AfterEffects:
 
     def turn_of_push(self, x: float) -> float:
         """[rad] that the chair will turn as it is driven from `x` [m] to the dock."""
-        return -x * (self.turn_per_way or 0.0) + self.roll.turn(_PUSHED)
+        driven = -x - self.roll.way(self._pushed_for)
+        return driven * (self.turn_per_way or 0.0) + self.roll.turn(self._pushed_for)
 
 
 def _mean(before: float | None, newest: float, most: float) -> float:

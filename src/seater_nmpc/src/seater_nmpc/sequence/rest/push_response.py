@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 _THRESHOLDS = (np.arange(0.0, 0.055, 0.01), np.arange(0.0, 0.13, 0.02))  # [m/s], [rad/s]
 _RESISTANCES = (np.arange(0.0, 0.05, 0.004), np.arange(0.0, 0.21, 0.02))
-_ROLLS = 0.004 * np.arange(-10, 11)  # [m] the way it is pushed
+_ROLLS = 0.004 * np.arange(-16, 17)  # [m] the way it is pushed
 _LEVEL = 0.97  # prior probability that it does not roll, or no farther than while the motors run on
 _TYPICAL_ROLL, _USUAL_ROLL = 0.006, 0.025  # [m] mean, where it does; most, where no stop has shown more
 _OTHERWISE = 0.05  # probability that it rolls otherwise than stops have shown
@@ -115,12 +115,12 @@ class PushResponse:
         """Standard deviation of ways from push to push."""
         return np.asarray(_SHARE * np.minimum(ways, self._swung))
 
-    def losses(self, pushes: Array, period: float, wanted: float) -> Array:
+    def losses(self, pushes: Array, period: float, wanted: float, *, one_way: bool = False) -> Array:
         """Mean square (m,) of what each push leaves of the way `wanted`; too far counts more, as the way back turns the
-        castors round."""
+        castors round (`one_way`: it does not, or they are turned anyway)."""
         ways = self.ways(pushes, period)[..., None]
         left = ways + self._rolled(pushes, period) - wanted
-        square = left**2 * np.where(left > 0.0, _TOO_FAR, 1.0) + self._differs(ways) ** 2
+        square = left**2 * np.where(left > 0.0, 1.0 if one_way else _TOO_FAR, 1.0) + self._differs(ways) ** 2
         return np.asarray(np.sum(self._weights * square, axis=(1, 2, 3)))
 
     def learn(self, push: Array, period: float, way: float) -> None:

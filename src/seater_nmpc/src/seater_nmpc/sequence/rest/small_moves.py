@@ -27,21 +27,25 @@ class SmallMoves:
     def __init__(self, limits: Limits, history: CommandHistory, parameters: SequenceParameters) -> None:
         self._limits, self._history, self._parameters = limits, history, parameters
         self._made = 0
-        self.leave(back_soon=False)
-
-    def leave(self, *, back_soon: bool) -> None:
-        """The chair leaves the dock, and with it what moves there have shown; `back_soon`: they still count."""
-        self._made = self._made if back_soon else 0
         self.move: FineMove | None = None
         self._moved_from: Array | None = None  # error before it
         self._effects = AfterEffects()
+
+    def leave(self, *, back_soon: bool) -> None:
+        """The chair leaves the dock: what moves there have shown of its motors is kept in part, but not what its
+        castors did. `back_soon`: the moves still count."""
+        if self.move is not None and not self.move.left:
+            self.move.leave()
+        self._made = self._made if back_soon else 0
+        self._moved_from, self._effects = None, AfterEffects()
 
     def choose(self, error: Array, roll: Roll, period: float) -> Correction:
         """What is to be done; `move` is the one, if it is one. `roll`: as stops have shown; `period`: of cycles [s]."""
         p, before, effects = self._parameters, self.move, self._effects
         effects.roll = roll
         if before is not None and self._moved_from is not None:
-            effects.learn(before.turning, self._moved_from, error)
+            effects.learn(before.turning, self._moved_from, error, before.pushed)
+            before.learn(error)
             self._moved_from = None
         if effects.shifts(p.hold_position):  # a turn costs another push or two: only where it must be
             p = replace(p, hold_heading=max(p.hold_heading, p.release_heading))
@@ -69,6 +73,11 @@ class SmallMoves:
     def turn_in_vain(self, heading: float) -> bool:
         """Whether turns on the spot would be, of a chair at `heading` [rad]."""
         return self._effects.are_in_vain(heading, self._parameters.release_position)
+
+    @property
+    def turns_shift(self) -> bool:
+        """Whether a turn on the spot takes the chair out of where it may stay."""
+        return self._effects.shifts(self._parameters.release_position)
 
     @property
     def in_words(self) -> str:

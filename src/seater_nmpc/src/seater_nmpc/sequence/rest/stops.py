@@ -26,6 +26,7 @@ class Stops:
         # Beside where it was to end that a docking's first stop does, ahead and turned (2,) [m, rad]; mean.
         self._arrival: Array | None = None
         self.off: Array | None = None  # the same of the last stop; None: it had no end that was known
+        self._offs: list[Array] = []  # of all those of this docking
 
     @property
     def roll(self) -> Roll:
@@ -35,7 +36,7 @@ class Stops:
     def begin_docking(self) -> Array:
         """Where its first stop will end, beside where it is to, as the last dockings had it (2,) [m, rad]. The floor is
         the same as the last time, the load need not be."""
-        self._belief = self._belief.aged()
+        self._belief, self._offs = self._belief.aged(), []
         off = np.array([self.roll.way(), self.roll.turn()]) if self._arrival is None else self._arrival
         return np.where(np.abs(off) > _ARRIVES_OFF, off, 0.0)
 
@@ -62,8 +63,19 @@ class Stops:
         """The chair stands at `error` (3,) from the dock, where its place ahead and heading were `expected` to be
         [m, rad], None: nowhere. `first`: it is the first stop of a docking."""
         self.off = None if expected is None else error[[0, 2]] - expected
+        self._offs += [] if self.off is None else [self.off]
         if first and self.off is not None:
             self._arrival = self.off if self._arrival is None else 0.5 * (self._arrival + self.off)
+
+    @property
+    def next_off(self) -> Array | None:
+        """Of another way in (2,): as the last stop was; of a chair that rolls, whose stops differ by some millimetres,
+        the mean of all, to which the roll adds one. None: nothing is known."""
+        if not self._offs or not self.roll.seen:
+            return self.off
+        off = np.mean(self._offs, axis=0)
+        off[0] = (len(self._offs) * off[0] + self.roll.way()) / (len(self._offs) + 1)
+        return off
 
     def learn_roll(self, history: CommandHistory) -> None:
         """From how it came to stand: a stop that was timed badly ends elsewhere, too."""

@@ -29,8 +29,8 @@ def next_overshoot(last: float | None, before: float, roll: Roll) -> float:
 
 def has_way_on(error: Array, overshoot: float, roll: Roll, parameters: SequenceParameters) -> bool:
     """Whether all that is wrong of a standing chair at `error` (3,) from the dock is that it stands before it.
-    `overshoot` [m]: of the stop to come."""
+    `overshoot` [m]: of the stop to come. A chair that rolls on by more than it has to drive cannot stop so early."""
     x, y, heading = map(float, error)
     aside = abs(y) > parameters.release_position or abs(heading) > parameters.release_heading
-    way = max(0.0, -overshoot) - x
+    way = -x - (overshoot if roll.seen else min(0.0, overshoot))
     return not aside and abs(roll.turn()) <= _TURNS and x < -_BEFORE and way > _WAY
