@@ -42,6 +42,15 @@ def test_cpp_core_includes_no_ros(path: Path) -> None:
     assert CPP_ROS.findall(path.read_text()) == []
 
 
+@pytest.mark.parametrize(
+    "path", [p for p in sorted(ROOT.glob("src/seater_*/**/*")) if p.parts[-2] == "nodes" or p.suffix == ".py"],
+    ids=lambda p: str(p.relative_to(ROOT)),
+)  # fmt: skip
+def test_yaml_files_are_read_by_the_one_reader_that_names_what_is_wrong_with_them(path: Path) -> None:
+    if "test" not in path.parts and path.is_file():
+        assert not re.search(r"safe_load\(.*(read_text|open)\(", path.read_text())
+
+
 def test_there_are_cores_to_check() -> None:
     assert len(core_files("src/seater_*/src/**/*.py")) > 15
     assert len(core_files("src/seater_*/src/**/*.cpp")) > 5

@@ -20,7 +20,7 @@ from seater_common.camera_model import CameraModel
 from seater_common.files import installation
 from seater_common.files.whole import write_whole
 from seater_common.geometry import Chair, Dock
-from seater_common.params import ParameterError, load, read_yaml
+from seater_common.params import ParameterError, load, load_file, read_yaml
 from seater_sim.settings import SimulatorSettings
 from seater_tools.adjust.robust import NoMinimumError
 from seater_tools.correct.known import bar_sd
@@ -65,8 +65,8 @@ def run(options: argparse.Namespace, config: Path) -> int:
     """Raises ParameterError, DriveError (wrong input) and OSError (not written)."""
     if options.installation is not None and options.simulate is not None:
         raise ParameterError("--installation: goes with a real drive, --bag or --drive, not with --simulate")
-    dock = load(Dock, read_yaml(options.dock), str(options.dock))
-    chair = load(Chair, read_yaml(options.chair), str(options.chair))
+    dock = load_file(Dock, options.dock)
+    chair = load_file(Chair, options.chair)
     lengths = _lengths(options, dock)
     drive, camera, source = _drive(options, config, chair, dock)
     if options.save_drive is not None:
