@@ -51,6 +51,13 @@ def test_yaml_files_are_read_by_the_one_reader_that_names_what_is_wrong_with_the
         assert not re.search(r"safe_load\(.*(read_text|open)\(", path.read_text())
 
 
+@pytest.mark.parametrize(
+    ("package", "program"), sorted(set(re.findall(r"exec rosrun (\w+) (\w+)", (ROOT / "seater").read_text())))
+)
+def test_commands_end_with_a_line_and_no_traceback(package: str, program: str) -> None:
+    assert "ended(" in (ROOT / "src" / package / "nodes" / program).read_text()
+
+
 def test_there_are_cores_to_check() -> None:
     assert len(core_files("src/seater_*/src/**/*.py")) > 15
     assert len(core_files("src/seater_*/src/**/*.cpp")) > 5

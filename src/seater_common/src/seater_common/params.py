@@ -67,7 +67,7 @@ def read_yaml(path: str | Path) -> Any:
             text = text.partition("\n")[2]
         return yaml.load(text, _Loader)
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ParameterError(f"cannot read {path}: {_why(error)}") from error
+        raise ParameterError(f"cannot read {path}: {why(error)}") from error
 
 
 def load_file(cls: type[T], path: str | Path) -> T:
@@ -75,8 +75,8 @@ def load_file(cls: type[T], path: str | Path) -> T:
     return load(cls, read_yaml(path), str(path))
 
 
-def _why(error: Exception) -> str:
-    """In one line, without what the caller says anyway."""
+def why(error: Exception) -> str:
+    """Of a file that cannot be read: in one line, without its name, which the caller says."""
     if isinstance(error, OSError):
         return str(error.strerror or error).lower()
     if isinstance(error, UnicodeDecodeError):

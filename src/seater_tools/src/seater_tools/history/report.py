@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from tabulate import tabulate
 
-from seater_common.files.typed import as_typed
+from seater_common.command.typed import as_typed
 from seater_nmpc.sequence.goal.results import ResultCode
 from seater_tools.history.docking import Docking
 from seater_tools.history.trends import SERIES, Notice
