@@ -1,6 +1,7 @@
 """Rules of the layout that a reader relies on."""
 
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -56,6 +57,12 @@ def test_yaml_files_are_read_by_the_one_reader_that_names_what_is_wrong_with_the
 )
 def test_commands_end_with_a_line_and_no_traceback(package: str, program: str) -> None:
     assert "ended(" in (ROOT / "src" / package / "nodes" / program).read_text()
+
+
+def test_an_unknown_command_is_one_line_and_wrong_input() -> None:
+    done = subprocess.run([ROOT / "seater", "dokc"], capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and done.stdout == ""
+    assert "unknown command: dokc" in done.stderr and len(done.stderr.splitlines()) == 1
 
 
 def test_there_are_cores_to_check() -> None:
