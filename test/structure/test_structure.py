@@ -3,6 +3,7 @@
 import re
 import subprocess
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -73,6 +74,13 @@ def test_there_are_cores_to_check() -> None:
 @pytest.mark.parametrize("launch", sorted(ROOT.glob("src/seater_bringup/launch/*.launch")), ids=lambda p: p.name)
 def test_launch_files_use_no_absolute_topic_names(launch: Path) -> None:
     assert not re.search(r'<remap[^>]*"/', launch.read_text())
+
+
+@pytest.mark.parametrize("launch", sorted(ROOT.glob("src/seater_bringup/launch/*.launch")), ids=lambda p: p.name)
+def test_launch_arguments_say_what_they_mean(launch: Path) -> None:
+    """`roslaunch --ros-args` shows it."""
+    arguments = [entry for entry in ElementTree.parse(launch).getroot().findall("arg") if "value" not in entry.attrib]
+    assert [entry.attrib["name"] for entry in arguments if not entry.attrib.get("doc")] == []
 
 
 @pytest.mark.parametrize("script", ["seater", "tools/make_venv.sh", "tools/lint.sh", "tools/run_tests.py", ".ci/run"])
