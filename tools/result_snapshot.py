@@ -31,13 +31,13 @@ from numpy.typing import NDArray
 
 import seater_perception as sp
 from seater_common.camera_model import CameraModel
-from seater_common.geometry import Chair
+from seater_common.geometry import Chair, Dock
+from seater_common.params import load_file
 from seater_eval.control.controller_campaign import run_campaign
 from seater_eval.perception.images.degraded_camera import load_degraded_camera
 from seater_eval.perception.images.negatives import KINDS, OTHER_IDS, negative
 from seater_eval.perception.images.render import Print, clean_image, exposed
 from seater_eval.perception.images.scenes import upright
-from seater_eval.run.config_files import load_dock
 from seater_eval.run.progress import progress_bar
 from seater_sim.camera.camera import Camera
 
@@ -91,7 +91,9 @@ def rendered(config: Path) -> Iterator[Shot]:
 def simulated(config: Path) -> Iterator[Shot]:
     """The simulator's camera on a way to the dock, now and then with a covered marker."""
     values = yaml.safe_load((config / "cameras" / "d455.yaml").read_text())
-    camera = Camera(CameraModel.from_mapping(values), Chair().camera, load_dock(config / "docks" / "default.yaml"))
+    camera = Camera(
+        CameraModel.from_mapping(values), Chair().camera, load_file(Dock, config / "docks" / "default.yaml")
+    )
     for i in range(60):
         pose = (-3.2 + 3.2 * i / 59, 0.3 * math.cos(i / 12), 0.15 * math.sin(i / 9))
         pixels = camera.render(pose, 0.3 if i % 3 else 0.0, 0.1, covered=[0] if i % 11 == 0 else [], seed=3, index=i)

@@ -1,7 +1,9 @@
 """Rules of the layout that a reader relies on."""
 
 import re
+import subprocess
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -42,6 +44,28 @@ def test_cpp_core_includes_no_ros(path: Path) -> None:
     assert CPP_ROS.findall(path.read_text()) == []
 
 
+@pytest.mark.parametrize(
+    "path", [p for p in sorted(ROOT.glob("src/seater_*/**/*")) if p.parts[-2] == "nodes" or p.suffix == ".py"],
+    ids=lambda p: str(p.relative_to(ROOT)),
+)  # fmt: skip
+def test_yaml_files_are_read_by_the_one_reader_that_names_what_is_wrong_with_them(path: Path) -> None:
+    if "test" not in path.parts and path.is_file():
+        assert not re.search(r"safe_load\(.*(read_text|open)\(", path.read_text())
+
+
+@pytest.mark.parametrize(
+    ("package", "program"), sorted(set(re.findall(r"exec rosrun (\w+) (\w+)", (ROOT / "seater").read_text())))
+)
+def test_commands_end_with_a_line_and_no_traceback(package: str, program: str) -> None:
+    assert "ended(" in (ROOT / "src" / package / "nodes" / program).read_text()
+
+
+def test_an_unknown_command_is_one_line_and_wrong_input() -> None:
+    done = subprocess.run([ROOT / "seater", "dokc"], capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and done.stdout == ""
+    assert "unknown command: dokc" in done.stderr and len(done.stderr.splitlines()) == 1
+
+
 def test_there_are_cores_to_check() -> None:
     assert len(core_files("src/seater_*/src/**/*.py")) > 15
     assert len(core_files("src/seater_*/src/**/*.cpp")) > 5
@@ -50,6 +74,13 @@ def test_there_are_cores_to_check() -> None:
 @pytest.mark.parametrize("launch", sorted(ROOT.glob("src/seater_bringup/launch/*.launch")), ids=lambda p: p.name)
 def test_launch_files_use_no_absolute_topic_names(launch: Path) -> None:
     assert not re.search(r'<remap[^>]*"/', launch.read_text())
+
+
+@pytest.mark.parametrize("launch", sorted(ROOT.glob("src/seater_bringup/launch/*.launch")), ids=lambda p: p.name)
+def test_launch_arguments_say_what_they_mean(launch: Path) -> None:
+    """`roslaunch --ros-args` shows it."""
+    arguments = [entry for entry in ElementTree.parse(launch).getroot().findall("arg") if "value" not in entry.attrib]
+    assert [entry.attrib["name"] for entry in arguments if not entry.attrib.get("doc")] == []
 
 
 @pytest.mark.parametrize("script", ["seater", "tools/make_venv.sh", "tools/lint.sh", "tools/run_tests.py", ".ci/run"])

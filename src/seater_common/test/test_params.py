@@ -1,10 +1,11 @@
 import math
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import pytest
 
 from seater_common.geometry import Chair, Dock
-from seater_common.params import ParameterError, as_mapping, load, param
+from seater_common.params import ParameterError, as_mapping, load, load_file, param
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,36 @@ def test_all_problems_are_reported_at_once() -> None:
     with pytest.raises(ParameterError) as caught:
         load(Outer, {**GOOD, "mode": "slow", "count": 0}, "outer")
     assert "outer/mode" in str(caught.value) and "outer/count" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"\x9c\xff\x00", "is no text"),
+        (b"a: b: c", "line 1, column 5: mapping values are not allowed here"),
+        (b"markers:\n  - id: 1\n    si", "line 3, column 7: could not find expected ':'"),
+        (b"a: \x01", "special characters are not allowed"),
+        (None, "no such file or directory"),
+    ],
+)
+def test_a_file_that_cannot_be_read_is_one_line_with_its_name_and_why(
+    tmp_path: Path, content: bytes | None, words: str
+) -> None:
+    path = tmp_path / "chair.yaml"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(ParameterError) as caught:
+        load_file(Chair, path)
+    text = str(caught.value)
+    assert text.startswith(f"cannot read {path}: ") and words in text and "\n" not in text
+    assert text.count(str(path)) == 1 and "Errno" not in text
+
+
+def test_a_missing_key_is_explained_by_what_is_known_of_it() -> None:
+    with pytest.raises(ParameterError) as caught:
+        load(Chair, {}, "chair")
+    assert "chair/width: is missing (" in str(caught.value)
+    assert "( " not in str(caught.value) and "[]" not in str(caught.value) and "()" not in str(caught.value)
 
 
 def test_same_marker_twice_is_refused() -> None:

@@ -8,8 +8,7 @@ import pytest
 import yaml
 
 from seater_common.geometry import Chair
-from seater_common.params import ParameterError
-from seater_identify.load import load_file
+from seater_common.params import ParameterError, load_file
 from seater_identify.report.files import edited, write_copy
 from seater_identify.settings import IdentifySettings
 

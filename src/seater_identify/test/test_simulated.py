@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from seater_common.geometry import Chair
+from seater_common.params import load_file
 from seater_identify import simulated
-from seater_identify.load import load_file
 from seater_identify.report.files import write_copy
 from seater_identify.simulated import identified_parameters, identified_values
 from seater_nmpc.parameters import NmpcParameters

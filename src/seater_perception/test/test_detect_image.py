@@ -318,6 +318,27 @@ def test_wrong_use_is_named(arguments: tuple[object, ...], text: str) -> None:
     assert done.returncode == 2 and text in done.stderr
 
 
-def test_missing_images_do_not_end_it(image: Path) -> None:
-    done = run(*DICTIONARY, "none.png", image)
-    assert done.returncode == 1 and "none.png: cannot be opened" in done.stderr and "    3    128.0" in done.stdout
+def test_images_that_cannot_be_read_are_named_and_do_not_end_it(image: Path, tmp_path: Path) -> None:
+    whole = cv2.imencode(".jpg", cv2.imread(str(image)))[1].tobytes()
+    (tmp_path / "cut.jpg").write_bytes(whole[: len(whole) * 2 // 3])
+    (tmp_path / "whole.jpg").write_bytes(whole + b"appended by a camera")
+    (tmp_path / "folder").mkdir()
+    wrong = {"none.png": "cannot be opened", tmp_path / "folder": "is a folder", tmp_path / "cut.jpg": "is cut off"}
+    done = run(*DICTIONARY, *wrong, tmp_path / "whole.jpg", image)
+    assert done.returncode == 1
+    assert done.stderr.splitlines() == [
+        line for line in done.stderr.splitlines() if any(f"{name}: {text}" in line for name, text in wrong.items())
+    ]
+    assert len(done.stderr.splitlines()) == len(wrong) and done.stdout.count("    3    12") == 2
+
+
+def test_a_drawing_takes_no_other_file_s_place(image: Path, tmp_path: Path) -> None:
+    before = image.read_bytes()
+    done = run(*DICTIONARY, "--draw", image.parent / "." / image.name, image)
+    assert done.returncode == 2 and "the image itself" in done.stderr and image.read_bytes() == before
+    (tmp_path / "a").mkdir()
+    other = tmp_path / "a" / image.name
+    cv2.imwrite(str(other), drawn({}))
+    first, second = found(*DICTIONARY, "--draw", tmp_path, image, other)
+    assert first["drawing"] != second["drawing"] and image.read_bytes() == before
+    assert Path(first["drawing"]).read_bytes() != Path(second["drawing"]).read_bytes()

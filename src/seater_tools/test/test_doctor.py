@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import io
 import json
+import re
 import zipfile
 from pathlib import Path
 
@@ -64,6 +66,24 @@ def test_a_good_installation_has_no_cross_and_its_reports_say_the_same(good: Obs
     archive = zipfile.ZipFile(io.BytesIO(support_zip(verdicts, good)))
     assert archive.read("config/dock.yaml").decode().endswith(good.files["dock"].text)
     assert len(archive.read("record/odometry.csv").splitlines()) == len(good.live.odometry)
+
+
+def test_what_launch_arguments_say_is_no_contradiction_to_the_files(good: Observations) -> None:
+    given = {}
+    for launch in ("wheelchair.launch", "docking.launch"):
+        text = (CONFIG.parent / "src" / "seater_bringup" / "launch" / launch).read_text()
+        given |= dict(re.findall(r'<param name="\w+/((?:controller|safety)/[\w/]+)"\s+value="([^"]*)"', text))
+    assert len(given) > 2
+    assert good.live is not None
+    told = copy.deepcopy(dict(good.live.told))
+    for path, value in given.items():
+        *folders, key = path.split("/")
+        inner = told
+        for folder in folders:
+            inner = inner[folder]
+        inner[key] = "on_the_way" if value.startswith("$(arg") else float(value)
+    changed = dataclasses.replace(good, live=dataclasses.replace(good.live, told=told))
+    assert traffic.told(changed).ok is True, traffic.told(changed).what
 
 
 def test_marks_and_remedies_of_a_fault_are_printed() -> None:

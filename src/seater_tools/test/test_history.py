@@ -17,8 +17,9 @@ from seater_tools.history.docking import COLUMNS, Docking, HistoryError, as_line
 from seater_tools.history.drift import find_drift, normal_score
 from seater_tools.history.evidence import added_up
 from seater_tools.history.rate import find_rise
+from seater_tools.history.report import panels
 from seater_tools.history.store import append, read
-from seater_tools.history.trends import of_dock, warnings_of
+from seater_tools.history.trends import SERIES, Notice, of_dock, warnings_of
 
 BEGIN = datetime.datetime(2026, 5, 4, 8, 0, tzinfo=datetime.UTC)
 TAUGHT = "# Taught: 2026-04-24T08:00:00Z, 60 measurements in 2.0 s, spread 0.10 mm 0.10 mm 0.010 deg\nname: hall\n"
@@ -155,6 +156,13 @@ def test_a_camera_that_was_knocked_in_simulation_is_noticed() -> None:
     assert warnings_of(dockings[:24]) == []
     (notice,) = (n for n in warnings_of(dockings) if "distances" in n.text)
     assert notice.at is not None and 22 <= notice.at <= 26 and "doctor --move" in notice.remedy
+    drawn, usual = ([one.name for one in panels(shown)] for shown in ([notice], []))
+    assert set(drawn) - set(usual) == {"depth"}
+
+
+def test_a_warning_of_the_nis_is_none_of_the_innovation() -> None:
+    notice = Notice("innovation against its own uncertainty (NIS): 1 before, 9 since", "look")
+    assert [one.name for one in SERIES if notice.is_of(one)] == ["nis"]
 
 
 def test_only_dockings_of_one_dock_and_one_teaching_count() -> None:

@@ -125,8 +125,20 @@ def test_ctrl_c_reports_what_was_done(tmp_path: Path, capsys: pytest.CaptureFixt
     assert json.loads((tmp_path / "repeat.json").read_text())["ended"] == "interrupted"
 
 
-def test_without_a_chair_it_says_so() -> None:
+@pytest.mark.parametrize(
+    "words",
+    [("repeat", "3"), ("teach",), ("calibrate", "camera", "--topic", "image", "--force"), ("doctor", "--stages")],
+    ids=lambda words: words[0],
+)
+def test_without_a_ros_master_a_command_says_so_at_once(
+    words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pytest.importorskip("rospy")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("ROS_MASTER_URI", "http://localhost:1")
+    done = typed(*words)
+    assert done.returncode == 2 and "no ROS master answers" in done.stderr and ".launch" in done.stderr
+
+
+def test_a_wrong_number_of_dockings_is_refused() -> None:
     assert typed("repeat", "0").returncode == 2
-    done = typed("repeat", "3")
-    assert done.returncode == 2 and "is wheelchair.launch up?" in done.stderr

@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from seater_common.params import why
+
 Failure = Callable[[str], Exception]  # of the caller's own kind, from a text
 
 
@@ -81,7 +83,8 @@ class BagFile:
 
 
 def _unreadable(path: str | Path, error: Exception, failure: Failure) -> Exception:
-    return failure(f"cannot read the bag {path}: {error} (rosbag reindex mends one that was cut off)")
+    remedy = "" if isinstance(error, OSError) else " (rosbag reindex mends one that was cut off)"
+    return failure(f"cannot read the bag {path}: {why(error)}{remedy}")
 
 
 def _text(value: Any) -> str:

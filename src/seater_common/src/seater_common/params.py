@@ -67,7 +67,24 @@ def read_yaml(path: str | Path) -> Any:
             text = text.partition("\n")[2]
         return yaml.load(text, _Loader)
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ParameterError(f"cannot read {path}: {error}") from error
+        raise ParameterError(f"cannot read {path}: {why(error)}") from error
+
+
+def load_file(cls: type[T], path: str | Path) -> T:
+    """`load` of what a YAML file holds. Raises ParameterError, naming file and key."""
+    return load(cls, read_yaml(path), str(path))
+
+
+def why(error: Exception) -> str:
+    """Of a file that cannot be read: in one line, without its name, which the caller says."""
+    if isinstance(error, OSError):
+        return str(error.strerror or error).lower()
+    if isinstance(error, UnicodeDecodeError):
+        return "is no text"
+    mark = getattr(error, "problem_mark", None)
+    if mark is None:
+        return " ".join(str(error).split())
+    return f"line {mark.line + 1}, column {mark.column + 1}: {getattr(error, 'problem', error)}"
 
 
 def load(cls: type[T], values: Any, prefix: str) -> T:
@@ -102,8 +119,9 @@ def _load_dataclass(cls: type, values: Any, prefix: str, problems: list[str]) ->
     for name, field in fields.items():
         key = f"{prefix}/{name}"
         if name not in values:
-            meta = field.metadata
-            problems.append(f"{key}: is missing ({meta.get('doc', '')} [{meta.get('unit', '')}])")
+            unit = f"[{field.metadata['unit']}]" if field.metadata.get("unit") else ""
+            meaning = " ".join(part for part in (field.metadata.get("doc"), unit) if part)
+            problems.append(f"{key}: is missing" + (f" ({meaning})" if meaning else ""))
             continue
         found[name] = _convert(hints[name], values[name], key, field.metadata, problems)
     if len(problems) > before:

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 
 #include "seater_perception/draw.h"
 #include "seater_perception/errors.h"
@@ -24,10 +25,16 @@ double secondsSince(const Clock::time_point& begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Where the annotated image goes.
+/// Where the annotated image goes. In a folder a second image of the same name gets a number, too.
 fs::path drawingPath(const Options& o, const std::string& image, const std::string& suffix) {
   if (!fs::is_directory(o.draw)) return o.draw;
-  return fs::path(o.draw) / (fs::path(image).stem().string() + suffix + "_detected.png");
+  static std::set<fs::path> taken;
+  const std::string name = fs::path(image).stem().string() + suffix;
+  fs::path path = fs::path(o.draw) / (name + "_detected.png");
+  for (int i = 2; !taken.insert(path).second; ++i) {
+    path = fs::path(o.draw) / (name + "_" + std::to_string(i) + "_detected.png");
+  }
+  return path;
 }
 
 std::optional<std::string> drawn(const Options& o, const ImageNotes& notes, const cv::Mat& picture, bool several) {
@@ -119,6 +126,10 @@ int run(const std::vector<std::string>& arguments) {
   }
   if (!o.draw.empty() && o.images.size() > 1 && !fs::is_directory(o.draw)) {
     throw ConfigurationError("--draw: is '" + o.draw + "', must be an existing folder for several images");
+  }
+  std::error_code none;  // no such file
+  if (fs::equivalent(o.draw, o.images.front(), none)) {
+    throw ConfigurationError("--draw: is '" + o.draw + "', the image itself; give another name");
   }
   int code = kSuccess;
   for (const std::string& image : o.images) {

@@ -1,6 +1,7 @@
 #include "tools/image_file.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
@@ -13,10 +14,19 @@ namespace seater_perception {
 namespace {
 
 std::vector<char> bytesOf(const std::string& path) {
+  if (std::filesystem::is_directory(path)) throw ImageError("is a folder; name the images in it");
   std::ifstream file(path, std::ios::binary);
   std::vector<char> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (!file.is_open() || bytes.empty()) throw ImageError("cannot be opened, or is empty");
   return bytes;
+}
+
+/// A JPEG that ends within its pixels, which is decoded as if the rest were grey. Pixels hold no such markers.
+bool isCutOff(const std::vector<char>& bytes) {
+  const std::string begin = "\xFF\xD8", pixels = "\xFF\xDA", end = "\xFF\xD9";
+  if (bytes.size() < begin.size() || !std::equal(begin.begin(), begin.end(), bytes.begin())) return false;
+  const auto last = std::find_end(bytes.begin(), bytes.end(), pixels.begin(), pixels.end());
+  return std::search(last, bytes.end(), end.begin(), end.end()) == bytes.end();
 }
 
 /// In grey, of the depth that the file has.
@@ -47,6 +57,7 @@ bool mayHaveOrientation(const std::vector<char>& bytes) {
 
 ImageFile readImageFile(const std::string& path, bool honour_exif) {
   const std::vector<char> bytes = bytesOf(path);
+  if (isCutOff(bytes)) throw ImageError("is cut off");
   ImageFile image;
   const cv::Mat stored = decoded(bytes, cv::IMREAD_IGNORE_ORIENTATION);
   image.grey = stored;

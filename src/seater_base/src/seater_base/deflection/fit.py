@@ -9,6 +9,7 @@ from pathlib import Path
 from statistics import median
 
 from seater_base.deflection.table import AxisTable
+from seater_common.params import why
 
 AXES = ("drive", "turn")
 _STILL = {"drive": 0.01, "turn": 0.02}  # [m/s], [rad/s] up to which it stands: some counts of an encoder
@@ -29,7 +30,7 @@ def read_pairs(path: Path) -> list[Pair]:
         with path.open(newline="") as file:
             rows = list(csv.DictReader(file))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise FitError(f"cannot read {path}: {error}") from error
+        raise FitError(f"cannot read {path}: {why(error)}") from error
     pairs: list[Pair] = []
     for number, row in enumerate(rows, start=2):
         try:

@@ -10,7 +10,7 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from seater_camera.clock.stamps import Stamper
 from seater_camera.frames import Clock
 from seater_camera.stream import Stream
-from seater_common.files.typed import as_typed
+from seater_common.command.typed import as_typed
 
 _NOT_CALIBRATED = "not calibrated: ./seater calibrate camera, then camera_file:=FILE"
 _MANY = 0.02  # share of images that the camera leaves out, from which on it is said

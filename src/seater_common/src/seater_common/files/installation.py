@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from seater_common.files.typed import as_typed
+from seater_common.command.typed import as_typed
 from seater_common.files.whole import replace_kept, write_whole
 
 # Role to the shipped file, below the folder of seater_config, that it begins as. The lens comes from its calibration.
@@ -163,7 +163,7 @@ def use(options: argparse.Namespace, parser: argparse.ArgumentParser, roles: Map
         if role != CAMERA or path.is_file():
             values[name] = [path] if isinstance(parser.get_default(name), list) else path
     for name, value in values.items():
-        if hasattr(options, name) and getattr(options, name) == parser.get_default(name):
+        if hasattr(options, name) and str(getattr(options, name)) == str(parser.get_default(name)):
             setattr(options, name, value)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -58,7 +57,7 @@ def parser(description: str | None) -> argparse.ArgumentParser:
 
 
 def main(description: str | None, arguments: Sequence[str] | None = None) -> int:
-    """The exit code: 0 all bars met, 1 not, 2 wrong configuration."""
+    """The exit code: 0 all bars met, 1 not. Raises ParameterError, OSError."""
     made = parser(description)
     options = made.parse_args(arguments)
     if options.merge and (options.merge[0] != "merge" or len(options.merge) < 2):
@@ -67,11 +66,7 @@ def main(description: str | None, arguments: Sequence[str] | None = None) -> int
         value = getattr(options, name)
         if value is not None and value < lowest:
             made.error(f"--{name}: is {value}, must be at least {lowest}")
-    try:
-        return _run(options)
-    except ParameterError as error:
-        print(f"{COMMAND}: {error}", file=sys.stderr)
-        return 2
+    return _run(options)
 
 
 def _run(options: argparse.Namespace) -> int:

@@ -9,12 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
-from seater_common.params import ParameterError, load
-from seater_eval.run.config_files import load_chair, load_dock
+from seater_common.params import ParameterError, load_file
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.parameters import ControlParameters, NmpcParameters, Prediction
 from seater_nmpc.plan.navigator import Navigator
@@ -36,16 +34,13 @@ def load_files(config: str, markers: int = 0) -> Files:
     Raises ParameterError, naming file and key.
     """
     folder = Path(config)
-    dock = load_dock(folder / "docks" / "default.yaml")
+    dock = load_file(Dock, folder / "docks" / "default.yaml")
     if dock.direction != "forward":
         raise ParameterError(f"{config}/docks/default.yaml: direction: is {dock.direction!r}, must be 'forward' here")
     if markers:
         dock = dataclasses.replace(dock, markers=dock.markers[:markers])
-    try:
-        values = yaml.safe_load((folder / "controller.yaml").read_text())
-    except (OSError, yaml.YAMLError) as error:
-        raise ParameterError(f"cannot read {folder / 'controller.yaml'}: {error}") from error
-    return Files(load_chair(folder / "chair.yaml"), dock, load(NmpcParameters, values, "controller"))
+    parameters = load_file(NmpcParameters, folder / "controller.yaml")
+    return Files(load_file(Chair, folder / "chair.yaml"), dock, parameters)
 
 
 class Kept:

@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 import seater_perception as sp
-from seater_common.params import ParameterError
+from seater_common.params import ParameterError, read_yaml
 from seater_eval.perception.images.degraded_camera import DegradedCamera
 from seater_eval.perception.peers import Detector, Seen
 
@@ -22,10 +21,7 @@ def perception_parameters(config: str | Path) -> dict[str, Any]:
     """config/perception.yaml, but without its allowance for what a real camera and print deviate from the model: the
     images here are exactly what the model assumes. Raises ParameterError."""
     path = Path(config) / "perception.yaml"
-    try:
-        values = yaml.safe_load(path.read_text())
-    except (OSError, yaml.YAMLError) as error:
-        raise ParameterError(f"cannot read {path}: {error}") from error
+    values = read_yaml(path)
     values = copy.deepcopy(values)
     if isinstance(values, dict) and isinstance(values.get("pose"), dict) and "model_sigma" in values["pose"]:
         values["pose"]["model_sigma"] = values["pose"]["placement_sigma"] = 0.0

@@ -8,9 +8,8 @@ from typing import Any
 
 import cv2
 import numpy as np
-import yaml
 
-from seater_common.params import ParameterError
+from seater_common.params import ParameterError, read_yaml
 from seater_eval.peers.process import peers_for
 from seater_eval.photographs.detectors import OPENCV, PLAIN, SEATER, Image, make_detector
 from seater_eval.photographs.measures import match
@@ -38,8 +37,8 @@ def read_parameters(config: str | Path) -> dict[str, Any]:
     """config/perception.yaml as it is. Raises ParameterError."""
     path = Path(config) / "perception.yaml"
     try:
-        return dict(yaml.safe_load(path.read_text()))
-    except (OSError, TypeError, ValueError, yaml.YAMLError) as error:
+        return dict(read_yaml(path))
+    except (TypeError, ValueError) as error:
         raise ParameterError(f"cannot read {path}: {error}") from error
 
 

@@ -25,6 +25,7 @@ from rospkg import RosPack
 from std_msgs.msg import UInt32
 
 from seater_common.messages import names_of
+from seater_common.params import read_yaml
 from seater_eval.docking.recording import heading_of
 from seater_eval.faults.cases import CASES, PLACES, Case
 from seater_eval.ros.dock_client import DockClient, DockClientError, wait_until
@@ -158,7 +159,7 @@ def _safety(case: Case, log: Path) -> dict[str, str]:
     """The launch argument for a safety.yaml with the case's values in it; none where it has none."""
     if not case.safety:
         return {}
-    values = yaml.safe_load(Path(RosPack().get_path("seater_config"), "safety.yaml").read_text())
+    values = read_yaml(Path(RosPack().get_path("seater_config"), "safety.yaml"))
     values |= {name: float(value) for name, value in (word.split("=", 1) for word in case.safety)}
     file = log.with_suffix(".safety.yaml")
     file.write_text(yaml.safe_dump(values))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import random
+import re
 import signal
 import socket
 import subprocess
@@ -15,6 +16,8 @@ from pathlib import Path
 # has started would get the port that was free a moment ago.
 _PORTS = range(12000, 32000)
 _TRIES = 100
+_COLOUR = re.compile("\x1b\\[[0-9]*m")
+_ERROR = re.compile(r"^ ?\[(?:ERROR|FATAL)\] \[[0-9., ]*\]: (.*(?:\n  .*)*)", re.MULTILINE)
 
 
 def free_port() -> int:
@@ -92,6 +95,10 @@ class LaunchProcess:
 
     def __exit__(self, *_: object) -> None:
         self.stop()
+
+    def errors(self) -> list[str]:
+        """What its nodes have said at the levels ERROR and FATAL, in order."""
+        return [found[1] for found in _ERROR.finditer(_COLOUR.sub("", self.log_file.read_text(errors="replace")))]
 
     def last_lines(self, count: int = 25) -> str:
         """The end of its output."""

@@ -5,12 +5,16 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from seater_common.command.ending import results_folder
+
 
 def make_parser(command: str, description: str | None) -> argparse.ArgumentParser:
     """--config, --results and --quick; the caller adds its own."""
     parser = argparse.ArgumentParser(prog=command, description=description)
     parser.add_argument("--config", type=Path, help="folder like config/ (default: that of the package seater_config)")
-    parser.add_argument("--results", type=Path, default=Path("results"), help="folder for JSON and figure (results)")
+    parser.add_argument(
+        "--results", type=results_folder, default="results", help="folder for JSON and figure (results)"
+    )
     parser.add_argument("--quick", action="store_true", help="a small version for tests; its numbers are no proof")
     return parser
 

@@ -6,15 +6,11 @@ import dataclasses
 import logging
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-import yaml
 
 import seater_perception as sp
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
-from seater_common.params import ParameterError, load
-from seater_eval.run.config_files import load_chair, load_dock
+from seater_common.params import ParameterError, load_file, read_yaml
 from seater_nmpc.checks.setup import check_setup
 from seater_nmpc.parameters import NmpcParameters
 from seater_nmpc.sequence.vehicle import Vehicle
@@ -79,9 +75,9 @@ def load_files(files: SetupFiles) -> tuple[Setup, list[str]]:
     Raises:
         ParameterError: a file cannot be read, a key is wrong, or they do not fit together; names file and keys.
     """
-    chair, dock = load_chair(files.chair), load_dock(files.dock)
-    parameters = load(NmpcParameters, _read(files.controller), str(files.controller))
-    simulator = load(SimulatorSettings, _read(files.simulator), str(files.simulator))
+    chair, dock = load_file(Chair, files.chair), load_file(Dock, files.dock)
+    parameters = load_file(NmpcParameters, files.controller)
+    simulator = load_file(SimulatorSettings, files.simulator)
     camera = CameraModel.load(files.camera)
     _check_perception(files, camera)
     try:
@@ -95,19 +91,12 @@ def load_files(files: SetupFiles) -> tuple[Setup, list[str]]:
 def _check_perception(files: SetupFiles, camera: CameraModel) -> None:
     """By the perception library itself, as the nodelet does when it starts."""
     K, D, P = ([float(value) for value in matrix.ravel()] for matrix in (camera.K, camera.D, camera.P))
-    values = _read(files.perception)
+    values = read_yaml(files.perception)
     if not isinstance(values, dict):
         raise ParameterError(f"{files.perception}: must be a mapping like config/perception.yaml")
     try:
-        layout = sp.load_dock_layout(_read(files.dock))
+        layout = sp.load_dock_layout(read_yaml(files.dock))
         raw = sp.CameraModel.raw(sp.Calibration(camera.width, camera.height, K, D, camera.distortion_model, P))
         sp.DockDetector(raw, layout, values)
     except ValueError as error:  # the library's own errors
         raise ParameterError(f"{files.perception}, with {files.dock} and {files.camera}: {error}") from error
-
-
-def _read(path: Path) -> Any:
-    try:
-        return yaml.safe_load(path.read_text())
-    except (OSError, yaml.YAMLError) as error:
-        raise ParameterError(f"cannot read {path}: {error}") from error

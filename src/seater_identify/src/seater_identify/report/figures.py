@@ -46,15 +46,14 @@ def _draw_axis(result: Identification, axis: int, path: Path) -> Path:
 
 
 def _draw_overview(result: Identification, recording: Recording, path: Path) -> Path:
-    fig, (way, table) = plt.subplots(1, 2, figsize=(16, 6), width_ratios=(2, 3), constrained_layout=True)
+    fig, (way, table) = plt.subplots(1, 2, figsize=(14, 6), width_ratios=(1, 1), constrained_layout=True)
     x, y = recording.odometry[:, 1], recording.odometry[:, 2]
-    way.plot(x - x[0], y - y[0], color=MODEL)
+    way.plot(x - x[0], y - y[0], color=MODEL, label="by odometry")
     seen = np.interp(recording.dock[:, 0], recording.odometry[:, 0], np.arange(len(x))).astype(int)
-    way.plot((x - x[0])[seen], (y - y[0])[seen], ".", markersize=2, color=COMMAND, label="dock seen")
-    way.set(xlabel="x in odom [m]", ylabel="y in odom [m]", title="way by odometry")
+    way.plot((x - x[0])[seen], (y - y[0])[seen], ".", markersize=2, color=COMMAND, label="there, the dock seen")
+    way.set(xlabel="x in odom [m]", ylabel="y in odom [m]", title="The drive")
     way.axis("equal")
-    if len(seen):
-        way.legend(loc="best")
+    way.legend(loc="best")
     table.axis("off")
     table.text(0.0, 0.5, describe(result), family="monospace", fontsize=7.5, va="center")
     return _save(fig, path)

@@ -14,9 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
-from seater_common.params import ParameterError, load, param
+from seater_common.params import ParameterError, load, param, read_yaml
 from seater_sim.settings import WHEELCHAIR, SimulatorSettings, WheelchairSettings
 
 
@@ -77,10 +76,7 @@ def load_plant_ranges(path: str | Path) -> PlantRanges:
         ParameterError: naming file and key of all that is missing, unknown, no range, or beyond what the parameter may
             be.
     """
-    try:
-        values = yaml.safe_load(Path(path).read_text())
-    except (OSError, yaml.YAMLError) as error:
-        raise ParameterError(f"cannot read {path}: {error}") from error
+    values = read_yaml(path)
     problems: list[str] = []
     longest = _check_leaves(values, str(path), problems)
     if problems:

@@ -15,6 +15,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from seater_common.command.ending import results_folder
 from seater_tools.export.errors import ExportError
 from seater_tools.export.mcap import export_mcap
 from seater_tools.export.tables import export
@@ -33,7 +34,7 @@ def main(name: str, only: str | None = None, argv: Sequence[str] | None = None) 
     parser.add_argument("--topics", nargs="+", default=[], metavar="TOPIC", help="only these (all)")
     parser.add_argument("--force", action="store_true", help="overwrite earlier files")
     text = "(csv, parquet: a folder beside the bag, with its name; mcap: that of the bag)"
-    parser.add_argument("--results", type=Path, metavar="DIR", help=text)
+    parser.add_argument("--results", type=results_folder, metavar="DIR", help=text)
     options = parser.parse_args(argv)
     kind = only or options.format
     try:

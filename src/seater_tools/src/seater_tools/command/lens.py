@@ -17,6 +17,7 @@ from pathlib import Path
 
 import cv2
 
+from seater_common.command.ending import results_folder
 from seater_common.files import installation
 from seater_common.files.whole import write_whole
 from seater_common.params import ParameterError
@@ -44,7 +45,7 @@ def add_options(parser: argparse.ArgumentParser, config: Path) -> None:
     parser.add_argument("--model", choices=COEFFICIENTS, default="plumb_bob", help="lens model (plumb_bob)")
     parser.add_argument("--name", default="camera", help="camera_name, and the file's (camera)")
     parser.add_argument("--force", action="store_true", help="overwrite earlier results")
-    parser.add_argument("--results", type=Path, default=Path("results/calibrate_camera"), metavar="DIR")
+    parser.add_argument("--results", type=results_folder, default="results/calibrate_camera", metavar="DIR")
 
 
 def run(options: argparse.Namespace, config: Path) -> int:
@@ -87,6 +88,8 @@ def read_views(folder: Path, board: Board) -> tuple[Sequence[View], tuple[int, i
     if not folder.is_dir():
         raise ParameterError(f"--images: {folder} is no folder")
     paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES)
+    if not paths:
+        raise ParameterError(f"--images: {folder} holds no images ({', '.join(SUFFIXES)})")
     views, sizes, without = [], dict[tuple[int, int], Path](), []
     for path in paths:
         image = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)

@@ -11,16 +11,18 @@ from __future__ import annotations
 
 import argparse
 import datetime
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 import yaml
 
 from seater_common.camera_model import CameraModel
+from seater_common.command.ending import results_folder
 from seater_common.files import installation
 from seater_common.files.whole import write_whole
 from seater_common.geometry import Chair, Dock
-from seater_common.params import ParameterError, load, read_yaml
+from seater_common.params import ParameterError, load, load_file, read_yaml
 from seater_sim.settings import SimulatorSettings
 from seater_tools.adjust.robust import NoMinimumError
 from seater_tools.correct.known import bar_sd
@@ -36,6 +38,7 @@ from seater_tools.trial.seen import simulate_drive
 from seater_tools.trial.truth import Errors, describe_truth, draw_installation
 
 NOT_CONSTRAINED = 3
+RECORDS = ("mount.png", "mount.json")
 ROLES = {role: role for role in ("dock", "chair", "camera")}  # of an installation, which it reads
 SIDE, DISTANCE = (0.005, 2.0), (0.05, 20.0)  # [m] what a person may have measured
 
@@ -58,16 +61,17 @@ def add_options(parser: argparse.ArgumentParser, config: Path) -> None:
     parser.add_argument("--camera-info-topic", default=Topics.camera_info, help="in the bag, without --camera")
     parser.add_argument("--save-drive", type=Path, metavar="FILE", help="keep what was read of the drive (.npz)")
     parser.add_argument("--force", action="store_true", help="overwrite earlier results")
-    parser.add_argument("--results", type=Path, default=Path("results/calibrate_mount"), metavar="DIR")
+    parser.add_argument("--results", type=results_folder, default="results/calibrate_mount", metavar="DIR")
 
 
 def run(options: argparse.Namespace, config: Path) -> int:
     """Raises ParameterError, DriveError (wrong input) and OSError (not written)."""
     if options.installation is not None and options.simulate is not None:
         raise ParameterError("--installation: goes with a real drive, --bag or --drive, not with --simulate")
-    dock = load(Dock, read_yaml(options.dock), str(options.dock))
-    chair = load(Chair, read_yaml(options.chair), str(options.chair))
+    dock = load_file(Dock, options.dock)
+    chair = load_file(Chair, options.chair)
     lengths = _lengths(options, dock)
+    _targets([options.chair.name, options.dock.name, *RECORDS], options)  # refused before the work, not after it
     drive, camera, source = _drive(options, config, chair, dock)
     if options.save_drive is not None:
         drive.save(options.save_drive)
@@ -97,7 +101,7 @@ def run(options: argparse.Namespace, config: Path) -> int:
         texts[options.camera.name] = camera_text(options.camera.read_text(), camera_of(solution), name, note)
         roles.append("camera")
     files = {name: text.encode() for name, text in texts.items()}
-    files |= {"mount.png": draw(solution, calibration), "mount.json": as_json(calibration)}
+    files |= dict(zip(RECORDS, (draw(solution, calibration), as_json(calibration)), strict=True))
     _write(files, options)
     installation.conclude(options, {role: options.results / getattr(options, role).name for role in roles})
     if "camera" in roles:
@@ -107,16 +111,21 @@ def run(options: argparse.Namespace, config: Path) -> int:
 
 def _write(files: dict[str, bytes], options: argparse.Namespace) -> None:
     """All or none, as far as names go: an earlier result stops it before the first is written."""
-    targets = {options.results / name: content for name, content in files.items()}
+    for target, content in zip(_targets(files, options), files.values(), strict=True):
+        write_whole(target, content, overwrite=True)
+        print(target)
+
+
+def _targets(names: Iterable[str], options: argparse.Namespace) -> list[Path]:
+    """Where files of these names may be written. Raises ParameterError, FileExistsError."""
+    targets = [options.results / name for name in names]
     given = {file.resolve() for file in (options.chair, options.dock, options.camera) if file is not None}
     for target in targets:
         if target.resolve() in given:
             raise ParameterError(f"--results: {options.results} holds {target.name} itself; choose another folder")
         if target.exists() and not options.force:
             raise FileExistsError(f"{target} exists already; --force overwrites it")
-    for target, content in targets.items():
-        write_whole(target, content, overwrite=True)
-        print(target)
+    return targets
 
 
 def _drive(options: argparse.Namespace, config: Path, chair: Chair, dock: Dock) -> tuple[Drive, CameraModel, str]:

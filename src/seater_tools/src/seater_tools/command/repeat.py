@@ -13,8 +13,8 @@ import argparse
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 
+from seater_common.command.ending import results_folder
 from seater_common.files.whole import write_whole
 from seater_tools.repeat.report import as_csv, as_json, describe, draw, line
 from seater_tools.repeat.session import Chair, Docked, Session
@@ -29,7 +29,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--dock-id", default="", help="of several docks: its name (the configured dock)")
     parser.add_argument("--pause", type=float, default=2.0, metavar="S", help="standing between two goals [s] (2)")
     parser.add_argument("--yes", action="store_true", help="do not ask before the first movement")
-    parser.add_argument("--results", type=Path, default=Path("results/repeat"), metavar="DIR", help="(results/repeat)")
+    parser.add_argument(
+        "--results", type=results_folder, default="results/repeat", metavar="DIR", help="(results/repeat)"
+    )
 
 
 def check(options: argparse.Namespace, parser: argparse.ArgumentParser) -> None:

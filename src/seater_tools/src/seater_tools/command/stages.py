@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-import rosgraph
-
 from seater_common.params import ParameterError
+from seater_tools.ros.master import require_master
 from seater_tools.stages.report import as_json, describe
 from seater_tools.stages.tree import first_failing, read_stages, sort
 
@@ -19,8 +18,7 @@ def run(options: argparse.Namespace, file: Path) -> int:
     if options.seconds < SHORTEST:
         raise ParameterError(f"--seconds: is {options.seconds:g}, must be {SHORTEST:g} or more with --stages")
     stages = read_stages(file)
-    if not rosgraph.is_master_online():
-        raise ParameterError("--stages: needs a running system (roslaunch seater_bringup wheelchair.launch)")
+    require_master("wheelchair.launch")
     from seater_tools.ros.stages import listen
 
     heard = sort(stages, listen("doctor_stages", options.seconds))

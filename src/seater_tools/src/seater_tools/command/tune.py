@@ -15,7 +15,9 @@ import argparse
 import datetime
 from collections.abc import Mapping
 from pathlib import Path
+from shlex import quote
 
+from seater_common.command.ending import results_folder
 from seater_common.files import installation
 from seater_common.params import ParameterError, read_yaml
 from seater_eval.run.long_run import exit_when_interrupted
@@ -47,7 +49,7 @@ def add_options(parser: argparse.ArgumentParser, config: Path) -> None:
     parser.add_argument("--dock", type=Path, default=config / "docks" / "default.yaml")
     parser.add_argument("--controller", type=Path, default=config / "controller.yaml")
     parser.add_argument("--camera", type=Path, help="the camera's calibration (d455.yaml)")
-    parser.add_argument("--results", type=Path, default=Path("results/tune"), metavar="DIR", help="(results/tune)")
+    parser.add_argument("--results", type=results_folder, default="results/tune", metavar="DIR", help="(results/tune)")
 
 
 def parse(parser: argparse.ArgumentParser) -> argparse.Namespace:
@@ -133,5 +135,5 @@ def _conclude(search: Search, dockings: Dockings, space: list[Tunable], options:
     note = f"{datetime.date.today()}, {len(trials)} trials of {options.cases} simulated dockings"
     text = report.tuned_text(options.controller.read_text(), str(options.controller), values, note)
     print(report.write(target, text.encode()))
-    print(f"\nBetter values are in this copy. To use them: cp {target} {options.controller}")
+    print(f"\nBetter values are in this copy. To use them: cp {quote(str(target))} {quote(str(options.controller))}")
     return 0

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
-from seater_common.params import load, read_yaml
+from seater_common.params import load_file, read_yaml
 from seater_common.se2 import inverse, transform_points, wrap_angle
 from seater_identify.report.files import CONTROLLER
 from seater_identify.trial.truth import true_values
@@ -25,7 +25,7 @@ def lens_errors(hidden: Hidden, path: Path) -> dict[str, float]:
 
 def mount_errors(hidden: Hidden, path: Path) -> dict[str, float]:
     """[m], [rad]; without z, of which only the height of the markers over the camera counts."""
-    found, true = load(Chair, read_yaml(path), str(path)).camera, hidden.chair.camera
+    found, true = load_file(Chair, path).camera, hidden.chair.camera
     return {name: getattr(found, name) - getattr(true, name) for name in ("x", "y", "roll", "pitch", "yaw")}
 
 
@@ -44,7 +44,7 @@ def chair_errors(hidden: Hidden, path: Path) -> dict[str, float]:
 def dock_errors(hidden: Hidden, path: Path, taught: Array) -> dict[str, float]:
     """Of the markers in the frame of the true taught pose (3,): largest in place [m], direction [rad], size (relative).
     Teaching takes an error of the mount along, so that it shows here."""
-    found = {marker.id: marker for marker in load(Dock, read_yaml(path), str(path)).markers}
+    found = {marker.id: marker for marker in load_file(Dock, path).markers}
     place, turn, size = [], [], []
     for true in hidden.dock.markers:
         marker = found[true.id]

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from seater_common.files.typed import as_typed
+from seater_common.command.typed import as_typed
 from seater_tools.doctor.observations import Observations
 from seater_tools.doctor.verdict import Verdict
 

@@ -27,6 +27,7 @@ STREAM_AGES = {
 }  # [s] largest age of a stamp at arrival (controller: 0.34 s is ODOMETRY_LOST)
 # What launch arguments switch on, whatever the file says: panel, joystick_hold, emergency_stop of wheelchair.launch.
 STRICTER = ("safety/hold_to_run", "safety/emergency_stop_timeout")
+ARGUMENTS = ("controller/sequence/installation_check",)  # that wheelchair.launch always gives, whatever the file says
 AHEAD = 0.02  # [s] that a stamp may lie in the future: clocks of one computer, rounding
 
 
@@ -156,7 +157,7 @@ def _differences(observations: Observations, live: Live, role: str) -> list[str]
     return [
         f"{role}/{key} {there.get(key, 'none')} (file {here.get(key, 'none')})"
         for key in sorted(here.keys() | there.keys())
-        if not _same(here.get(key), there.get(key)) and f"{role}/{key}" not in strict
+        if not _same(here.get(key), there.get(key)) and f"{role}/{key}" not in (*strict, *ARGUMENTS)
     ]
 
 

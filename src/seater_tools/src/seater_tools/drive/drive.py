@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from seater_common.params import why
+
 Array = NDArray[np.float64]
 
 FEWEST_IMAGES = 30  # with a marker, within the odometry's time
@@ -86,4 +88,4 @@ class Drive:
         except (OSError, KeyError, ValueError) as error:
             if isinstance(error, DriveError):
                 raise
-            raise DriveError(f"cannot read {path}: {error}") from error
+            raise DriveError(f"cannot read {path}: {why(error)}") from error

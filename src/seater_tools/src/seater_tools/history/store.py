@@ -8,6 +8,7 @@ import os
 from pathlib import Path
 
 from seater_common.files.whole import write_whole
+from seater_common.params import why
 from seater_tools.history.docking import COLUMNS, Docking, HistoryError, as_line, header, of_row
 
 MOST, KEPT = 5000, 4000  # lines: beyond MOST the newest KEPT stay; 250 bytes each, so the file stays below 2 MB
@@ -43,7 +44,8 @@ def read(path: Path) -> tuple[list[Docking], int]:
         with path.open(newline="", errors="replace") as file:
             rows = list(csv.reader(file))
     except (OSError, csv.Error) as error:
-        raise HistoryError(f"cannot read {path}: {error}") from error
+        first = " (wheelchair.launch writes it with the first docking)" if isinstance(error, FileNotFoundError) else ""
+        raise HistoryError(f"cannot read {path}: {why(error)}{first}") from error
     if not rows or tuple(rows[0]) != COLUMNS:
         raise HistoryError(f"{path}: is no history of dockings (first line: {','.join(rows[0][:3]) if rows else ''})")
     dockings, damaged = [], 0

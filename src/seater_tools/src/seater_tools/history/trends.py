@@ -72,6 +72,10 @@ class Notice:
     remedy: str
     at: int | None = None
 
+    def is_of(self, series: Series) -> bool:
+        """Whether it is about this one."""
+        return self.text.startswith(f"{series.text}:")
+
 
 def of_dock(dockings: Sequence[Docking], name: str | None) -> list[Docking]:
     """Of one dock, None: the one of the last docking; since its last teaching."""

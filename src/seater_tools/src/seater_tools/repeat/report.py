@@ -99,7 +99,7 @@ def draw(dockings: Sequence[Docked], r: Repeatability, path: Path) -> None:
     seconds = np.array([d.duration for d in dockings])
     time.plot(numbers[~lost], seconds[~lost], ".", color="#2060a0", label="docked")
     time.plot(numbers[lost], seconds[lost], "x", color="#c03030", label="not docked")
-    time.set(xlabel="docking", ylabel="time [s]", title="time", ylim=(0.0, None))
+    time.set(xlabel="docking", ylabel="time [s]", title="time", ylim=(0.0, 1.1 * seconds.max()))
     time.legend(fontsize=8)
     for axes in (heading, time):
         axes.xaxis.get_major_locator().set_params(integer=True)

@@ -15,6 +15,7 @@ from sensor_msgs.msg import Image
 from seater_tools.board.board import Board
 from seater_tools.lens.coverage import differs, missing_views
 from seater_tools.lens.find import View, find_board
+from seater_tools.ros.master import require_master
 
 STILL = 0.003  # of the image's width between two images: the board is held still
 PAUSE = 0.1  # [s] between two images that are looked at
@@ -47,6 +48,7 @@ def collect_views(topic: str, board: Board, folder: Path) -> None:
     """Until nothing is missing, or Ctrl-C; prints what is. Raises FileExistsError: the folder holds views already."""
     if folder.is_dir() and any(folder.iterdir()):
         raise FileExistsError(f"{folder} holds images already; move them away, or give the folder as --images")
+    require_master("the camera's driver (camera.launch)")
     rospy.init_node("calibrate_camera", anonymous=True)
     collector, bridge, newest, lock = Collector(board, folder), CvBridge(), list[Image](), threading.Lock()
 

@@ -12,7 +12,7 @@ import numpy as np
 from seater_common.files.whole import replace_kept
 from seater_common.geometry import Chair, Dock, planar_pose
 from seater_common.messages import matrix_of_pose
-from seater_common.params import ParameterError, load, read_yaml
+from seater_common.params import ParameterError, load_file
 from seater_tools.teach.dock import remarks, taught_text
 from seater_tools.teach.measure import Measurement, Standing, TeachError
 
@@ -39,8 +39,8 @@ class Teacher:
 
     def __init__(self, files: Files) -> None:
         self._files, self._standing = files, Standing()
-        self.dock = load(Dock, read_yaml(files.dock), str(files.dock))
-        self._T_base_optical = load(Chair, read_yaml(files.chair), str(files.chair)).camera.T_base_optical()
+        self.dock = load_file(Dock, files.dock)
+        self._T_base_optical = load_file(Chair, files.chair).camera.T_base_optical()
         self._taught = False
 
     def odometry(self, message: Any) -> None:

@@ -7,9 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import yaml
-
-from seater_common.params import ParameterError, load, param
+from seater_common.params import ParameterError, load, param, read_yaml
 
 # What a variant may change: a configuration file as a whole (by its name), or keys of it.
 FILES = ("plant", "chair_file", "dock_file", "camera_file", "controller_file", "perception_file")
@@ -73,10 +71,7 @@ class Campaign:
 
 def load_campaign(path: Path) -> Campaign:
     """Strict: every key has to be there. Raises ParameterError, naming file and key."""
-    try:
-        values = yaml.safe_load(path.read_text())
-    except (OSError, yaml.YAMLError) as error:
-        raise ParameterError(f"cannot read {path}: {error}") from error
+    values = read_yaml(path)
     return campaign_from(values, path.name)
 
 

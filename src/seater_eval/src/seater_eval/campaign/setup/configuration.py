@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from seater_common.camera_model import CameraModel
 from seater_common.geometry import Chair, Dock
-from seater_common.params import ParameterError, load
+from seater_common.params import ParameterError, load, read_yaml
 from seater_eval.campaign.setup.campaign_file import Start
 from seater_eval.campaign.setup.changes import merged
 from seater_nmpc.parameters import NmpcParameters
@@ -38,13 +36,7 @@ class Files:
     @classmethod
     def read(cls, config: Path) -> Files:
         """Raises ParameterError for a file that is no YAML."""
-        contents = {}
-        for path in sorted(config.rglob("*.yaml")):
-            try:
-                contents[path.relative_to(config).as_posix()] = yaml.safe_load(path.read_text())
-            except (OSError, yaml.YAMLError) as error:
-                raise ParameterError(f"cannot read {path}: {error}") from error
-        return cls(contents)
+        return cls({path.relative_to(config).as_posix(): read_yaml(path) for path in sorted(config.rglob("*.yaml"))})
 
     def get(self, name: str, key: str) -> Any:
         """`key` asks for it, in the message of the ParameterError when there is none."""

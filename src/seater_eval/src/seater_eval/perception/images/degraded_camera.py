@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
-from seater_common.params import ParameterError
+from seater_common.params import ParameterError, read_yaml
 
 RANGES = {
     "image_width": (64, 8192),
@@ -58,10 +57,7 @@ class DegradedCamera:
 
 def load_degraded_camera(path: str | Path) -> DegradedCamera:
     """Raises ParameterError naming file, key, value and what is allowed."""
-    try:
-        values = yaml.safe_load(Path(path).read_text())
-    except (OSError, yaml.YAMLError) as error:
-        raise ParameterError(f"cannot read {path}: {error}") from error
+    values = read_yaml(path)
     known = {f.name: f.type for f in fields(DegradedCamera)}
     if not isinstance(values, dict):
         raise ParameterError(f"{path}: is {values!r}, must be a mapping")

@@ -16,6 +16,7 @@ import yaml
 from seater_common.camera_model import CameraModel
 from seater_common.files.whole import write_whole
 from seater_common.geometry import Chair, Dock
+from seater_common.params import ParameterError, read_yaml
 from seater_nmpc.plausibility.installation.knowledge import PRIOR, Knowledge, nothing_known
 
 _HEAD = b"# Written by the docking node: what its dockings have shown of the installation. Delete it to begin anew.\n"
@@ -69,8 +70,8 @@ class Memory:
 
     def _read(self) -> dict[str, Any]:
         try:
-            content = yaml.safe_load(self._path.read_text())
-        except (OSError, ValueError, yaml.YAMLError):
+            content = read_yaml(self._path)
+        except ParameterError:
             return {}
         return content if isinstance(content, dict) else {}
 

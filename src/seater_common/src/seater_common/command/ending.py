@@ -1,0 +1,53 @@
+"""How a command ends: with its exit status, or with one line that says what stopped it."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from seater_common.params import ParameterError
+
+WRONG_INPUT = 2
+INTERRUPTED = 130  # as in shells: 128 and the number of SIGINT
+
+
+def ended(
+    program: str, work: Callable[[], int], wrong: tuple[type[Exception], ...] = (), unwritten: int = WRONG_INPUT
+) -> int:
+    """Exit status of `work`. Where it cannot go on, the cause on stderr, and 2 for wrong input (ParameterError and
+    what is `wrong` for this command, too), `unwritten` for a file that cannot be read or written, 130 for Ctrl-C."""
+    wrong_input: tuple[type[Exception], ...] = (ParameterError, *wrong)
+    try:
+        return work()
+    except wrong_input as error:
+        text, status = str(error), WRONG_INPUT
+    except OSError as error:
+        text, status = in_words(error), unwritten
+    except KeyboardInterrupt:
+        text, status = "interrupted", INTERRUPTED
+        print(file=sys.stderr)  # what it has shown of its progress may have no end of line
+    print(f"{program}: {text}", file=sys.stderr)
+    return status
+
+
+def in_words(error: OSError) -> str:
+    """File and cause, without the number."""
+    if error.filename is None or not error.strerror:
+        return str(error)
+    if isinstance(error, FileExistsError | NotADirectoryError):  # a folder was to be made
+        return f"{error.filename}: is no folder, and none can be made there"
+    return f"{error.filename}: {error.strerror.lower()}"
+
+
+def results_folder(text: str) -> Path:
+    """For argparse: where a folder is, or can be made, before hours of work are done for it."""
+    folder = Path(text)
+    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    if not there.is_dir():
+        raise argparse.ArgumentTypeError(f"{text}: {there} is no folder")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise argparse.ArgumentTypeError(f"{text}: {there} must not be written to by this user")
+    return folder
