@@ -11,6 +11,7 @@ import yaml
 from campaign_plans import CONFIG, FEW_IMAGES, load
 from mortal_jobs import square_or_die
 
+from seater_common.command.ending import ended
 from seater_common.params import ParameterError
 from seater_eval.campaign.command import main
 from seater_eval.campaign.dask_cluster import over_dask
@@ -22,7 +23,8 @@ def run(folder: Path, *arguments: str) -> int:
     plan.parent.mkdir(parents=True, exist_ok=True)
     near = load("kinematic")
     plan.write_text(yaml.safe_dump({**near, "axes": {**near["axes"], "images": FEW_IMAGES}}))
-    return main("", ["--config", str(CONFIG), "--results", str(folder), "--campaign", str(plan), *arguments])
+    words = ["--config", str(CONFIG), "--results", str(folder), "--campaign", str(plan), *arguments]
+    return ended("docking_campaign", lambda: main("", words))
 
 
 def test_two_shards_merged_are_the_campaign_and_a_case_can_be_replayed(
