@@ -99,4 +99,4 @@ def test_help_of_the_installed_command_shows_what_it_can(installed: Path, tmp_pa
 
 
 def test_unknown_command_is_refused(installed: Path, tmp_path: Path) -> None:
-    assert typed(installed, "dokc", cwd=tmp_path).returncode == 1
+    assert typed(installed, "dokc", cwd=tmp_path).returncode == 2
