@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
+from seater_common.command.ending import INTERRUPTED
 from seater_eval.faults import cases, command
 from seater_eval.faults.row_file import NOT_RUN, RowFile
 from seater_eval.ros.fault_trial import NAMES, Watch
-from seater_eval.run.long_run import INTERRUPTED
 
 CASE = cases.Case("images end", ("fail", "camera", "off"), frozenset({"MARKER_LOST"}), rest=4.0)
 GOOD: dict[str, Any] = {

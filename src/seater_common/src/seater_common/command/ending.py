@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from seater_common.params import ParameterError
+from seater_common.params import ParameterError, why
 
 WRONG_INPUT = 2
 INTERRUPTED = 130  # as in shells: 128 and the number of SIGINT
@@ -39,7 +39,7 @@ def in_words(error: OSError) -> str:
         return str(error)
     if isinstance(error, FileExistsError | NotADirectoryError):  # a folder was to be made
         return f"{error.filename}: is no folder, and none can be made there"
-    return f"{error.filename}: {error.strerror.lower()}"
+    return f"{error.filename}: {why(error)}"
 
 
 def results_folder(text: str) -> Path:

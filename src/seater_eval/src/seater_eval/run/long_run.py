@@ -9,10 +9,9 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+from seater_common.command.ending import INTERRUPTED
 from seater_eval.run.parallel import Spread, run_jobs
 from seater_eval.run.partial import PartialResults, fingerprint
-
-INTERRUPTED = 130  # exit code, as shells have it
 
 
 def run_long(

@@ -35,7 +35,7 @@ def make_script(settings: IdentifySettings, chair: Chair) -> list[Move]:
     turning = min(drive.omega, limits.omega_max)
     pause = Pause(drive.pause)
     half, turn = 0.5 * way, 2.0 * math.pi
-    first, second = turning_places(chair, way)
+    first, second = _turning_places(chair, way)
     moves: list[Move] = [Pause(1.5)]
     for move in (
         Travel(V, half, 0.6 * forward),
@@ -73,26 +73,27 @@ def straight_way(settings: IdentifySettings, chair: Chair) -> float:
     return way
 
 
-def turning_places(chair: Chair, way: float) -> tuple[float, float]:
-    """[m] ahead of the start where the chair turns to the left, and to the right: as far apart as the area that the way
-    needs allows, since a slippery patch under one of them would look like motors that turn the chair too slowly."""
-    radius, half = _turning_radius(chair), 0.5 * way
-    return min(half, radius - chair.length_rear), max(half, way + chair.length_front - radius)
-
-
 def origin_in_area(settings: IdentifySettings, chair: Chair) -> float:
     """[m] of the axle ahead of the area's rear edge at the start: what is not needed is left free at both ends."""
     way = straight_way(settings, chair)
     return _origin(chair, way) + 0.5 * (settings.area.length - _length(chair, way))
 
 
+def _turning_places(chair: Chair, way: float) -> tuple[float, float]:
+    """[m] ahead of the start where the chair turns to the left, and to the right: as far apart as the area allows that
+    it needs for the way and to turn in its middle, since a slippery patch under one of them would look like motors that
+    turn the chair too slowly."""
+    radius, half = _turning_radius(chair), 0.5 * way
+    return min(half, radius - chair.length_rear), max(half, way + chair.length_front - radius)
+
+
 def _origin(chair: Chair, way: float) -> float:
-    return EDGE + max(chair.length_rear, _turning_radius(chair) - 0.5 * way)
+    return EDGE + _turning_radius(chair) - _turning_places(chair, way)[0]
 
 
 def _length(chair: Chair, way: float) -> float:
     """[m] of the area that a drive needs."""
-    return _origin(chair, way) + max(way + chair.length_front, 0.5 * way + _turning_radius(chair)) + EDGE
+    return _origin(chair, way) + _turning_places(chair, way)[1] + _turning_radius(chair) + EDGE
 
 
 def _turning_radius(chair: Chair) -> float:

@@ -32,7 +32,7 @@ from seater_tools.doctor.observations import Live, Observations
 from seater_tools.doctor.report import as_json, describe, support_zip
 from seater_tools.doctor.setup import Setup
 
-WRONG, BAD_INPUT = 1, 2
+WRONG = 1
 ROLES = ("chair", "dock", "camera", "controller")  # of an installation
 SECONDS = (1.0, 60.0)
 WAY, TURN = (0.05, 0.5), (0.0, 30.0)  # [m], [deg] that may be asked for

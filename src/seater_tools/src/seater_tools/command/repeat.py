@@ -14,13 +14,11 @@ import sys
 import time
 from collections.abc import Callable
 
-from seater_common.command.ending import results_folder
+from seater_common.command.ending import INTERRUPTED, results_folder
 from seater_common.files.whole import write_whole
 from seater_tools.repeat.report import as_csv, as_json, describe, draw, line
 from seater_tools.repeat.session import Chair, Docked, Session
 from seater_tools.repeat.statistics import repeatability
-
-INTERRUPTED = 130
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

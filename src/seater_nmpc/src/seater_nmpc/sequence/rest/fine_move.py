@@ -90,7 +90,7 @@ class FineMove:
         self._one_way = abs(roll.way()) > _ROLLS_ON if turning else rolls_on
         self._period, self._worth = period, _AGAINST if against else _MUST if must else _AHEAD if ahead else 1.0
         self._plan = self._best()  # commands of all cycles
-        self._cycle, self._shown, self.left = 0, False, False
+        self._cycle, self._shown, self._left = 0, False, False
 
     @property
     def resistance(self) -> float:
@@ -140,8 +140,10 @@ class FineMove:
         return best[best > 0.0] if losses.min() < self._worth * self._wanted**2 else np.zeros(0)
 
     def leave(self) -> None:
-        """The chair drives away before anything else is made of what it has shown."""
-        self._shown = self.left = True
+        """The chair drives away before anything else is made of what it has shown; counts once."""
+        if self._left:
+            return
+        self._shown = self._left = True
         for response in self._learned.values():
             response.forget()
 

@@ -34,7 +34,7 @@ class SmallMoves:
     def leave(self, *, back_soon: bool) -> None:
         """The chair leaves the dock: what moves there have shown of its motors is kept in part, but not what its
         castors did. `back_soon`: the moves still count."""
-        if self.move is not None and not self.move.left:
+        if self.move is not None:
             self.move.leave()
         self._made = self._made if back_soon else 0
         self._moved_from, self._effects = None, AfterEffects()
