@@ -105,15 +105,21 @@ def test_an_infeasible_start_is_solved_and_reported(problem, solver) -> None:
 
 @pytest.mark.parametrize("kind", Slack)
 def test_each_slack_costs_its_weight_and_counts_as_its_kind_says(kind: Slack) -> None:
-    """A slack of 0.2 costs w (0.2 + 0.2^2) per second; no kind is free."""
+    """A slack of 0.2 costs w (0.2 + 0.2^2) per second; no kind is free, but the view to a chair that looks away."""
     programme = StageProgramme()
     constraints = AreaConstraints(CHAIR, PARAMETERS, programme, AREAS)
     constraints.add_stage(programme, ca.SX.sym("pose", 3), ca.SX.sym("v"), 0.5)
     x = np.zeros(programme.size)
     slacks = x[-len(Slack) :]  # the stage's last variables
     slacks[kind] = 0.2
-    cost = ca.Function("cost", [ca.vertcat(*programme.variables)], [programme.cost])
-    assert float(cost(x)) == pytest.approx(0.5 * getattr(PARAMETERS.weights, kind.weight) * (0.2 + 0.2**2))
+    cost = ca.Function("cost", [ca.vertcat(*programme.variables), ca.vertcat(*programme.parameters)], [programme.cost])
+    costs = []
+    for pose in ([-2.0, 0.1, 0.0], [-2.0, 0.1, 3.0]):
+        p = np.zeros(programme.parameter_size)
+        constraints.set_view(AREAS, np.array(pose), p)
+        costs.append(float(cost(x, p)))
+    assert costs[0] == pytest.approx(0.5 * getattr(PARAMETERS.weights, kind.weight) * (0.2 + 0.2**2))
+    assert costs[1] == pytest.approx(costs[0] if kind is not Slack.VIEW else 0.001 * costs[0])
     assert constraints.violation(x) == (0.2 if kind.is_violation else 0.0)
 
 

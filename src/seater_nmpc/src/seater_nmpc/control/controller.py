@@ -19,8 +19,9 @@ from seater_nmpc.control.driven import Driven
 from seater_nmpc.control.limits import clamp, in_bay, within_reach
 from seater_nmpc.control.pace import Pace
 from seater_nmpc.control.replanner import Replanner, composed
-from seater_nmpc.control.target import Target, target_pose
+from seater_nmpc.control.target import Target
 from seater_nmpc.control.to_and_fro import ToAndFro
+from seater_nmpc.control.way_round import WayRound
 from seater_nmpc.drive.prediction import CommandHistory, coasting_pose
 from seater_nmpc.ocp.areas import dock_areas
 from seater_nmpc.parameters import ControlParameters
@@ -75,6 +76,7 @@ class DockingController:
         self._actuation = Actuation(chair, self.history, adapt=prediction.adapt)
         self.pace = Pace(chair.limits, self.parameters.control_period)
         self._clearance = Clearance(chair, self.parameters)
+        self._way_round = WayRound(chair, dock, self.parameters, camera)
         self.counters = Counters()
         self._clock = 0.0
         self._acts_at = np.zeros(3)  # base_link in the dock's frame where the next command begins to act
@@ -87,6 +89,7 @@ class DockingController:
         self._driven = Driven()
         self._replanner.reset()
         self._to_and_fro = ToAndFro()
+        self._way_round.restart()
         self.counters.consecutive_failures = 0
 
     def forget_chair(self) -> None:
@@ -148,7 +151,8 @@ class DockingController:
             vehicle_pose: base_link, (x [m], y [m], heading [rad]) in the common frame, at `stamp`.
             velocity: measured (v [m/s], omega [rad/s]).
             dock_pose: the dock's frame in the common frame.
-            target: `dock`, `predock`, or a pose (x, y, heading) in the dock's frame.
+            target: `dock` (round the bay's corner where the chair gets stuck there), `predock`, or a pose (x, y,
+                heading) in the dock's frame.
             stamp: time of the vehicle pose [s]; without it, one control period after the last call.
         """
         stamp = self._clock + self.parameters.control_period if stamp is None else stamp
@@ -162,7 +166,8 @@ class DockingController:
         self._clock = stamp
         self.pace.cycle(stamp)
         self._actuation.measured(stamp, *self._driven.speeds(stamp, np.asarray(vehicle_pose, dtype=float), velocity))
-        T_dock_target = target_pose(target, self._dock)
+        pose = relative(dock_pose, vehicle_pose)
+        T_dock_target = self._way_round.towards(target, stamp, pose, self._clearance.outlines)
         T_common_target = compose(dock_pose, T_dock_target)
         state = self._state(stamp, vehicle_pose, velocity, dock_pose, T_common_target)
         if not (np.all(np.isfinite(state)) and np.max(np.abs(state[:2])) <= _FARTHEST):

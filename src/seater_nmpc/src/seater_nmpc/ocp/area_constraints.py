@@ -14,11 +14,13 @@ from seater_common.geometry import Chair
 from seater_nmpc.ocp.areas import Areas
 from seater_nmpc.ocp.constraints.interface import AreaConstraint, Indices, Slack, Stage, columns
 from seater_nmpc.ocp.constraints.obstacles import ObstacleConstraint
+from seater_nmpc.ocp.constraints.view import ViewConstraint
 from seater_nmpc.parameters import ControlParameters
 from seater_nmpc.programme import StageProgramme
 
 Array = NDArray[np.float64]
 
+_LOOKING_AWAY = 1e-3  # share of the view's weight for a chair that looks away from the markers
 _VIOLATIONS = [int(kind) for kind in Slack if kind.is_violation]
 # The kinds of slack under each penalty weight.
 _PENALISED = {weight: [int(kind) for kind in Slack if kind.weight == weight] for weight in (k.weight for k in Slack)}
@@ -42,6 +44,7 @@ class AreaConstraints:
         self._fixed: list[AreaConstraint[Any]] = [area.constraint(chair, parameters, programme) for area in areas.parts]
         self._obstacles = ObstacleConstraint(chair, parameters, programme)
         self._constraints = [*self._fixed, self._obstacles]
+        self._view, self._view_at = programme.parameter("view_counts", 1)
         self._slacks: list[slice] = []
         self._stages: list[_BuiltStage] = []
         self._columns: tuple[Indices, Indices] | None = None
@@ -60,7 +63,9 @@ class AreaConstraints:
                 programme.constrain(margin + slack[int(kind)], 0.0, math.inf)
             margins.append(ca.vertcat(*of_kind))
         for weight, kinds in _PENALISED.items():
-            programme.cost += step * getattr(self._weights, weight) * (ca.sum1(slack[kinds]) + ca.sumsqr(slack[kinds]))
+            counts = self._view if weight == Slack.VIEW.weight else 1.0
+            penalty = ca.sum1(slack[kinds]) + ca.sumsqr(slack[kinds])
+            programme.cost += step * getattr(self._weights, weight) * counts * penalty
         self._stages.append(_BuiltStage(stage, margins))
 
     def refinement(self, x: ca.SX, lower: ca.SX, upper: ca.SX) -> ca.SX:
@@ -83,6 +88,12 @@ class AreaConstraints:
         """Write where the areas are into the parameters and the bounds."""
         for constraint, area in zip(self._fixed, areas.parts, strict=True):
             constraint.set_instance(area, p, lower, upper)
+
+    def set_view(self, areas: Areas, pose: Array, p: Array) -> None:
+        """Write how much the view counts for a chair that begins at `pose` (3,) into the parameters."""
+        views = [constraint for constraint in self._fixed if isinstance(constraint, ViewConstraint)]
+        away = any(view.looks_away(areas.view, pose) for view in views)
+        p[self._view_at] = _LOOKING_AWAY if away else 1.0
 
     def set_lines(self, lines: Array | None, p: Array, lower: Array, upper: Array) -> None:
         """Write the `obstacle_lines` (None: none) into the parameters."""

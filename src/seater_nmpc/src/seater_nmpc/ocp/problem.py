@@ -82,6 +82,7 @@ class Problem(ABC):
             p[self._jerk.where] = acceleration
         if self._areas is not None and areas is not None:
             self._areas.set_lines(lines, p, lower, upper)
+            self._areas.set_view(areas, initial[:3], p)
         return ProblemData(p=p, lbx=lower, ubx=upper, lbg=self._g_lower, ubg=self._g_upper)
 
     def _slow_down(self, initial: Array, slow: tuple[float, float], lower: Array, upper: Array) -> None:

@@ -118,6 +118,7 @@ class ViewConstraint(AreaConstraint[View]):
     ) -> None:
         """`heights` [m] of the left and the right point above the floor."""
         super().__init__()
+        self._yaw = mount.yaw
         left, right = sideways_edges(field, mount)
         self._edges = ((right, heights[0]), (left, heights[1]))
         self._p, self._where = programme.parameter("view", 4)
@@ -135,3 +136,10 @@ class ViewConstraint(AreaConstraint[View]):
     def set_instance(self, area: View, p: Array, lower: Array, upper: Array) -> None:
         """See AreaConstraint."""
         p[self._where] = [*area.left[:2], *area.right[:2]]
+
+    def looks_away(self, area: View, pose: Array) -> bool:
+        """Whether the markers are behind the camera of a chair at `pose` (3,). Then nothing near the chair brings them
+        into view, and the way to fewer metres outside it leads past them: backward into the bay."""
+        heading = float(pose[2]) + self._yaw
+        x, y = 0.5 * (np.array(area.left[:2]) + np.array(area.right[:2])) - pose[:2]
+        return math.cos(heading) * x + math.sin(heading) * y < 0.0

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_common.se2 import compose
 from seater_nmpc.control.command import Command
 from seater_nmpc.observe.odometry.instant import Instant
+from seater_nmpc.plan.back_off import BackOff
 from seater_nmpc.plan.corridor import Corridor, room_beyond, straight_in
 from seater_nmpc.sequence.goal.results import GoalEnd, Phase, ResultCode
 from seater_nmpc.sequence.phases.context import STANDING, Asked, Context
@@ -19,7 +18,6 @@ from seater_nmpc.sequence.phases.installation_check import InstallationCheck
 Array = NDArray[np.float64]
 
 _NEAR = 0.03  # [m] from the dock, where a chair that does not drive on is helped by a small move
-_BACK_OFF, _BACK_OFF_TIME = 0.6, 8.0  # [m, s] that the chair backs off where it got stuck
 _STOPPING_MARGIN = 0.001  # [m] short of the dock at which it may come to rest
 
 
@@ -31,12 +29,12 @@ class WayIn:
         self._corridor = Corridor(context.chair, context.dock, context.parameters)
         self._mouth = context.dock.bay.entrance_x - context.chair.length_front  # [m] its front is there
         self._room_beyond = room_beyond(context.chair, context.dock)
+        self._back_off = BackOff(context.parameters.predock_position)
         self.restart()
 
     def restart(self) -> None:
         """A phase begins: plan and count standing anew."""
-        self._back_off: Array | None = None  # where the chair backs off to (3,)
-        self._back_off_until = 0.0
+        self._back_off.end()
         self._context.stand_patiently()
         self._context.navigator.restart()
         if self._context.goal.phase is not Phase.APPROACH:
@@ -45,7 +43,7 @@ class WayIn:
     @property
     def backs_off(self) -> bool:
         """Whether the chair backs away from where it got stuck."""
-        return self._back_off is not None
+        return self._back_off.goes_on
 
     def first_phase(self, error: Array) -> Phase:
         """APPROACH, until the rest is a matter of driving straight in."""
@@ -117,15 +115,14 @@ class WayIn:
         anew with more room; None: it is not stuck, or has backed off."""
         c = self._context
         stalled = c.standstill.stalled(chair.stamp, c.measured(chair))
-        if self._back_off is None and (c.standstill.stuck(chair.stamp, error) or stalled):
-            self._back_off = compose(error, [-_BACK_OFF, 0.0, 0.0])
-            self._back_off_until = chair.stamp + _BACK_OFF_TIME
+        if not self._back_off.goes_on and (c.standstill.stuck(chair.stamp, error) or stalled):
+            self._back_off.begin(chair.stamp, error)
             c.navigator.give_room()
-        if self._back_off is None:
+        if not self._back_off.goes_on:
             return None
-        far = math.dist(error[:2], self._back_off[:2]) > c.parameters.predock_position
-        if far and chair.stamp < self._back_off_until:
-            return c.drive(chair, self._back_off)
+        target = self._back_off.target(chair.stamp, error)
+        if target is not None:
+            return c.drive(chair, target)
         self.restart()
         return None
 

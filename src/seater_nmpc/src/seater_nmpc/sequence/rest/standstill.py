@@ -7,14 +7,13 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_common.se2 import wrap_angle
+from seater_nmpc.drive.progress import Progress
 from seater_nmpc.parameters import SequenceParameters
 
 Array = NDArray[np.float64]
 
 _PATIENCE_NEAR = 0.25  # fraction of `stall_time`
 _AT_THE_DOCK = 0.001  # [m] distance at which no more is to be gained by driving
-_ANYWHERE, _ANYWHERE_TURN = 0.05, 0.15  # [m, rad] a chair that stays within these gets nowhere, however busy it is
 
 
 class Standstill:
@@ -23,8 +22,7 @@ class Standstill:
     def __init__(self, parameters: SequenceParameters, now: float) -> None:
         self._parameters = parameters
         self._moved = self._left_release = now  # when that was seen last
-        self._place: Array | None = None  # where it was when it last had got somewhere
-        self._got_somewhere = now
+        self._progress = Progress(parameters.stall_time)
 
     def stands(self, stamp: float, speeds: tuple[float, float]) -> bool:
         """Whether it stands now; every question about how long rests on this one being asked in each cycle."""
@@ -52,12 +50,7 @@ class Standstill:
     def stuck(self, stamp: float, pose: Array) -> bool:
         """Whether it has got nowhere for longer than `stall_time`, standing or to and fro. `pose` (3,), of any frame
         that does not move."""
-        place = self._place
-        if place is None or (
-            math.dist(pose[:2], place[:2]) > _ANYWHERE or abs(wrap_angle(float(pose[2] - place[2]))) > _ANYWHERE_TURN
-        ):
-            self._place, self._got_somewhere = pose, stamp
-        return stamp - self._got_somewhere > self._parameters.stall_time
+        return self._progress.stuck(stamp, pose)
 
     def in_place(self, stamp: float, rest_error: Array) -> bool:
         """Whether it would come to rest at the dock, or has hovered in the release zone for `settle_time`: as near as

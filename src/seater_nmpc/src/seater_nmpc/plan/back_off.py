@@ -1,0 +1,43 @@
+"""Straight back from where the optimisation sees no way on: a corner of a wall close ahead, say."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seater_common.se2 import compose
+
+Array = NDArray[np.float64]
+
+_WAY, _TIME = 0.6, 8.0  # [m, s] that the chair backs off
+
+
+class BackOff:
+    """One at a time; poses (3,) in the dock's frame."""
+
+    def __init__(self, near: float) -> None:
+        """`near` [m]: so near to its end it is over."""
+        self._near = near
+        self._target: Array | None = None
+        self._until = 0.0  # [s]
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether the chair backs off."""
+        return self._target is not None
+
+    def begin(self, stamp: float, pose: Array) -> None:
+        """From `pose`, at `stamp` [s]."""
+        self._target, self._until = compose(pose, [-_WAY, 0.0, 0.0]), stamp + _TIME
+
+    def end(self) -> None:
+        """It is over, wherever the chair is."""
+        self._target = None
+
+    def target(self, stamp: float, pose: Array) -> Array | None:
+        """Where to (3,); None: it is over, as the chair has arrived or its time is up."""
+        if self._target is not None and (math.dist(pose[:2], self._target[:2]) <= self._near or stamp >= self._until):
+            self._target = None
+        return self._target

@@ -1,0 +1,77 @@
+"""From beside the bay the controller alone drives up to the wall's corner and finds no way on: it has to go round."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from chairs import SlowChair
+
+from seater_common.geometry import Chair, Dock
+from seater_common.se2 import wrap_angle
+from seater_common.way_clearance import smallest_clearance
+from seater_nmpc.control.controller import DockingController
+from seater_nmpc.control.way_round import WayRound
+from seater_nmpc.drive.axis import AxisDrive
+from seater_nmpc.parameters import ControlParameters
+
+PERIOD = 0.05
+BESIDE = (-1.3438, 1.2052, -1.0057)  # x [m], y [m], heading [rad]
+
+
+def test_a_chair_beside_the_bay_goes_round_its_corner_and_docks() -> None:
+    """With its delay, lag and deadbands it stood at the corner, and drove to and fro there for as long as it was left
+    to (64 changes of direction in a minute)."""
+    chair = SlowChair(BESIDE, 0.25, 0.2, AxisDrive(1.0, 0.02), AxisDrive(1.0, 0.05))
+    controller, poses, speeds = DockingController(Chair(), Dock(), deterministic=True), [], []
+    while chair.now < 50.0 and not (math.hypot(*chair.pose[:2]) < 0.01 and abs(chair.v) < 1e-3):
+        command = controller.command(chair.pose, (chair.v, chair.omega), np.zeros(3), "dock", chair.now)
+        chair.drive((command.v, command.omega), PERIOD)
+        poses.append(chair.pose.copy())
+        speeds.append(chair.v)
+    assert math.hypot(*chair.pose[:2]) < 0.01 and abs(math.degrees(chair.pose[2])) < 1.0
+    assert smallest_clearance(Chair(), Dock().bay, np.array(poses)) > 0.0
+    signs = np.sign([v for v in speeds if abs(v) > 0.01])
+    assert np.sum(signs[1:] != signs[:-1]) <= 8
+
+
+@pytest.fixture
+def way_round() -> WayRound:
+    return WayRound(Chair(), Dock(), ControlParameters(), None)
+
+
+def stand(way_round: WayRound, pose: tuple[float, float, float], target: object = "dock") -> np.ndarray:
+    """Where it is to drive to after five seconds on the spot."""
+    for stamp in np.arange(0.0, 5.0, 0.05):
+        towards = way_round.towards(target, float(stamp), np.array(pose), [])
+    return towards
+
+
+def test_it_backs_off_then_drives_along_a_planned_way(way_round: WayRound) -> None:
+    back = stand(way_round, BESIDE)
+    assert math.dist(back[:2], BESIDE[:2]) == pytest.approx(0.6) and back[2] == pytest.approx(BESIDE[2])
+    planned = way_round.towards("dock", 6.0, back, [])
+    assert planned[0] < -0.5 and math.hypot(*planned[:2]) > 0.5
+
+
+@pytest.mark.parametrize("start", [(-2.05, -0.02, 2.82), (-3.9, -0.22, -2.61)])
+def test_a_chair_that_looks_away_turns_round_where_it_stands(start: tuple[float, float, float]) -> None:
+    """The markers behind it were fewer metres out of view the farther it drove past them: asked to turn on the spot
+    2 m before the dock, it drove backward into the bay, to 0.5 m beyond the dock's place."""
+    chair, controller = SlowChair(start, 0.25, 0.2), DockingController(Chair(), Dock(), deterministic=True)
+    towards, far = [start[0], start[1], math.atan2(-start[1], -start[0])], 0.0
+    while chair.now < 6.0 and abs(wrap_angle(chair.pose[2] - towards[2])) > 0.2:
+        command = controller.command(chair.pose, (chair.v, chair.omega), np.zeros(3), towards, chair.now)
+        chair.drive((command.v, command.omega), PERIOD)
+        far = max(far, math.dist(chair.pose[:2], start[:2]))
+    assert chair.now < 6.0 and far < 0.35
+
+
+def test_from_straight_ahead_it_drives_for_the_dock_however_long_it_stands(way_round: WayRound) -> None:
+    assert stand(way_round, (-1.0, 0.02, 0.05)) == pytest.approx(np.zeros(3))
+
+
+def test_another_target_is_taken_as_it_is(way_round: WayRound) -> None:
+    assert stand(way_round, BESIDE, [-1.0, 0.5, 0.2]) == pytest.approx([-1.0, 0.5, 0.2])
+    assert stand(way_round, BESIDE, "predock") == pytest.approx([Dock().predock_x, 0.0, 0.0])
