@@ -1,15 +1,18 @@
 """Commands after which the chair could not stop short of an obstacle do not leave."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from conftest import seldom
 
-from seater_common.geometry import Chair, polygon_distance
+from seater_common.geometry import Chair, Dock, polygon_distance
 from seater_common.se2 import arc_step
 from seater_nmpc.control.braking import BrakingCheck, braked, curvature_at
+from seater_nmpc.control.clearance import Clearance
 from seater_nmpc.control.command import Status
+from seater_nmpc.drive.axis import configured
 from seater_nmpc.parameters import ControlParameters
 
 CHAIR, CONTROL = Chair(), ControlParameters()
@@ -44,6 +47,24 @@ def test_the_way_out_stays_open() -> None:
     touching = [box_ahead(-0.01)]
     assert not CHECK.passes(np.zeros(3), 0.05, 0.0, touching)
     assert CHECK.passes(np.zeros(3), -0.3, 0.0, touching)
+
+
+@pytest.mark.parametrize(("gap", "kept"), [(0.35, True), (0.20, False)])
+def test_the_walls_of_the_bay_count_with_a_smaller_margin(gap: float, *, kept: bool) -> None:
+    """At 0.4 m/s, with 0.2 s of lag and 0.05 s of hold, a chair needs 0.26 m and 2 cm."""
+    bay, drive = Dock().bay, configured(CONTROL.prediction)
+    clearance, at = Clearance(CHAIR, bay, CONTROL), np.array([bay.back_wall_x - FRONT - gap, 0.0, 0.0])
+    assert (clearance.too_near(at, 0.4, 0.4, 0.0, None, PERIOD, drive) == "") == kept
+    assert clearance.too_near(at, 0.0, -0.4, 0.0, None, PERIOD, drive) == ""
+    free = Clearance(CHAIR, bay, replace(CONTROL, walls=False))
+    assert free.too_near(at, 0.4, 0.4, 0.0, None, PERIOD, drive) == ""
+
+
+def test_a_docked_chair_in_a_narrow_bay_may_creep_in() -> None:
+    """2 cm to each side, 1 cm ahead of the dock."""
+    bay = replace(Dock().bay, width=CHAIR.width + 0.04)
+    clearance, at = Clearance(CHAIR, bay, CONTROL), np.array([-0.01, 0.01, 0.01])
+    assert clearance.too_near(at, 0.1, 0.1, 0.0, None, PERIOD, configured(CONTROL.prediction)) == ""
 
 
 def arc(curvature: float, length: float, pieces: int = 20) -> np.ndarray:

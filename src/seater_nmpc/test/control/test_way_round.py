@@ -55,6 +55,20 @@ def test_it_backs_off_then_drives_along_a_planned_way(way_round: WayRound) -> No
     assert planned[0] < -0.5 and math.hypot(*planned[:2]) > 0.5
 
 
+def test_a_chair_that_backs_towards_a_wall_of_the_bay_stops_before_it_then_gets_away() -> None:
+    """From here the optimisation saw the way to the dock through the side wall, and the chair was driven into it."""
+    chair, controller, poses = SlowChair((-0.13, -1.1, -1.57), 0.25, 0.2), DockingController(Chair(), Dock()), []
+    texts = set()
+    while chair.now < 10.0:
+        command = controller.command(chair.pose, (chair.v, chair.omega), np.zeros(3), "dock", chair.now)
+        chair.drive((command.v, command.omega), PERIOD)
+        poses.append(chair.pose.copy())
+        texts.add(command.text)
+    clearances = [smallest_clearance(Chair(), Dock().bay, [pose]) for pose in poses[::5]]
+    assert min(clearances) > 0.0 and clearances[-1] > 0.3
+    assert "a wall of the bay is within the stopping distance" in texts
+
+
 @pytest.mark.parametrize("start", [(-2.05, -0.02, 2.82), (-3.9, -0.22, -2.61)])
 def test_a_chair_that_looks_away_turns_round_where_it_stands(start: tuple[float, float, float]) -> None:
     """The markers behind it were fewer metres out of view the farther it drove past them: asked to turn on the spot

@@ -30,7 +30,7 @@ class BrakingCheck:
     def __init__(self, chair: Chair, margin: float, period: float, lag: float) -> None:
         """`margin` [m] to be kept; `period` [s] for which a command holds; `lag` [s] of the motors."""
         self._corners, self._limits = chair.corners(), chair.limits
-        self._margin = margin
+        self.margin = margin  # [m]
         self.hold = period + lag  # [s] for which a command goes on after the next one
 
     def passes(self, pose: ArrayLike, v: float, omega: float, outlines: list[Array], path: Array | None = None) -> bool:
@@ -49,7 +49,7 @@ class BrakingCheck:
         shapes = footprints(self._corners, poses)
         for outline in outlines:
             distances = edge_distances(shapes, outline)
-            if float(np.min(distances)) < min(self._margin, float(distances[0]) - _CREEP):
+            if float(np.min(distances)) < min(self.margin, float(distances[0]) - _CREEP):
                 return False
         return True
 

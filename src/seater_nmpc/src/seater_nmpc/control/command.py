@@ -55,5 +55,5 @@ class Counters:
     time_limits: int = 0
     shifted: int = 0
     braked: int = 0
-    obstacle_stops: int = 0  # braked as an obstacle was within the stopping distance; not counted in `braked`
+    obstacle_stops: int = 0  # braked as an obstacle or wall was within the stopping distance; not in `braked`
     consecutive_failures: int = 0  # cycles in a row that needed a fallback

@@ -13,7 +13,7 @@ from seater_common.geometry import Chair, Dock
 from seater_common.se2 import compose, relative
 from seater_nmpc.control.actuation import Actuation
 from seater_nmpc.control.braking import braked, curvature_at
-from seater_nmpc.control.clearance import TOO_NEAR, Clearance
+from seater_nmpc.control.clearance import Clearance
 from seater_nmpc.control.command import Command, Counters, Status
 from seater_nmpc.control.driven import Driven
 from seater_nmpc.control.limits import clamp, in_bay, within_reach
@@ -51,7 +51,7 @@ class DockingController:
 
     Whatever comes in, the command is finite and within the chair's limits of speed and acceleration. Without a usable
     solution the last plan is followed for a short time (`fallback/max_plan_age`), then the chair brakes and stands. A
-    command after which the chair could not stop short of an obstacle is not given: it brakes instead.
+    command after which the chair could not stop short of an obstacle, or of a wall, is not given: it brakes instead.
     """
 
     def __init__(
@@ -75,11 +75,12 @@ class DockingController:
         prediction = self.parameters.prediction
         self._actuation = Actuation(chair, self.history, adapt=prediction.adapt)
         self.pace = Pace(chair.limits, self.parameters.control_period)
-        self._clearance = Clearance(chair, self.parameters)
+        self._clearance = Clearance(chair, dock.bay, self.parameters)
         self._way_round = WayRound(chair, dock, self.parameters, camera)
         self.counters = Counters()
         self._clock = 0.0
-        self._acts_at = np.zeros(3)  # base_link in the dock's frame where the next command begins to act
+        # base_link in the dock's frame, and its speed [m/s], where the next command begins to act
+        self._acts_at, self._speed_there = np.zeros(3), 0.0
         self.reset()
 
     def reset(self) -> None:
@@ -168,6 +169,8 @@ class DockingController:
         self._actuation.measured(stamp, *self._driven.speeds(stamp, np.asarray(vehicle_pose, dtype=float), velocity))
         pose = relative(dock_pose, vehicle_pose)
         T_dock_target = self._way_round.towards(target, stamp, pose, self._clearance.outlines)
+        if self._way_round.begins:
+            self._replanner.reset()
         T_common_target = compose(dock_pose, T_dock_target)
         state = self._state(stamp, vehicle_pose, velocity, dock_pose, T_common_target)
         if not (np.all(np.isfinite(state)) and np.max(np.abs(state[:2])) <= _FARTHEST):
@@ -193,7 +196,7 @@ class DockingController:
         """Where the plan begins: x, y, heading in the target's frame, v, omega. Notes where the command will act."""
         pose, v, omega = self._commands.roll(stamp, vehicle_pose, *velocity)
         before = self._speeds_before(v, omega)
-        self._acts_at = relative(dock_pose, pose)
+        self._acts_at, self._speed_there = relative(dock_pose, pose), v
         ahead = coasting_pose(pose, v, omega, self.history.drive.lag_v, self.history.drive.lag_omega)
         late = 0.5 * (self.period - self.parameters.control_period)  # of the middle of a longer period
         ahead = coasting_pose(ahead, *before, -self._replanner.lead - late)
@@ -246,9 +249,9 @@ class DockingController:
         v = self._to_and_fro.speed(stamp, plan, v, before[0])
         wanted = clamp(self._chair, v, omega, before, self.period, slow)
         self.counters.consecutive_failures = 0
-        if not self._stops_clear(*wanted):
+        if too_near := self._too_near(*wanted):
             self.counters.obstacle_stops += 1
-            return self._brake(stamp, solution, TOO_NEAR, slow)
+            return self._brake(stamp, solution, too_near, slow)
         v, omega = self._actuation.send(stamp, wanted, before, self.period, slow)
         status = Status.SOLVED
         if solution.status is SolveStatus.LIMIT:
@@ -275,7 +278,7 @@ class DockingController:
         if solution is not None and plan is not None and age <= self.parameters.fallback.max_plan_age + 1e-9:
             v, omega = plan.speeds_at(age + period)
             v, omega = clamp(self._chair, v, omega, self._commands.last_wanted or (0.0, 0.0), period, slow)
-            if self._stops_clear(v, omega):
+            if not self._too_near(v, omega):
                 self.counters.shifted += 1
                 v, omega = self._actuation.send(stamp, (v, omega), (0.0, 0.0), period, slow)
                 return self._fallback_command(v, omega, Status.FALLBACK_SHIFTED, solution, text)
@@ -299,6 +302,6 @@ class DockingController:
         command = Command(v=v, omega=omega, status=status, solver=self._replanner.name, text=text)
         return command.after(solution, self._replanner.solve_cpu)
 
-    def _stops_clear(self, v: float, omega: float) -> bool:
-        path, period, drive = self._replanner.path, self.period, self.history.drive
-        return self._clearance.is_kept(self._acts_at, v, omega, path, period, drive)
+    def _too_near(self, v: float, omega: float) -> str:
+        path, drive = self._replanner.path, self.history.drive
+        return self._clearance.too_near(self._acts_at, self._speed_there, v, omega, path, self.period, drive)

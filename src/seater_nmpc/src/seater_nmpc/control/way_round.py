@@ -36,6 +36,7 @@ class WayRound:
         self._make_navigator = lambda: Navigator(chair, dock, control, camera=camera)
         self._navigator: Navigator | None = None
         self._planned = False  # whether it drives along a planned way
+        self.begins = False  # whether it has got stuck in this cycle: the plan that led there is of no use
 
     def restart(self) -> None:
         """Another docking begins."""
@@ -46,7 +47,7 @@ class WayRound:
     def towards(self, target: Target, stamp: float, pose: Array, obstacles: list[Array]) -> Array:
         """Where this cycle drives to (3,), from `pose` at `stamp` [s]; another target than the dock, and one in free
         space, is taken as it is. `obstacles`: convex outlines (n, 2) [m]. Raises ValueError for an unknown name."""
-        wanted = target_pose(target, self._dock)
+        wanted, self.begins = target_pose(target, self._dock), False
         if not self._walls or not isinstance(target, str) or target != "dock":
             return wanted
         first = self._first(stamp, pose, obstacles)
@@ -60,6 +61,7 @@ class WayRound:
         if not self._back_off.goes_on and self._progress.stuck(stamp, pose):
             self._plan(obstacles)
             self._back_off.begin(stamp, pose)
+            self.begins = True
         target = self._back_off.target(stamp, pose)
         if target is not None:
             self._progress.restart()

@@ -1,4 +1,7 @@
-"""Straight back from where the optimisation sees no way on: a corner of a wall close ahead, say."""
+"""Straight back from where the optimisation sees no way on: a corner of a wall close ahead, say.
+
+Where that got nowhere, as a wall is close behind, the next one leads straight ahead.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,7 @@ from seater_common.se2 import compose
 Array = NDArray[np.float64]
 
 _WAY, _TIME = 0.6, 8.0  # [m, s] that the chair backs off
+_NOWHERE = 0.1  # [m] from where the last one began
 
 
 class BackOff:
@@ -22,6 +26,8 @@ class BackOff:
         self._near = near
         self._target: Array | None = None
         self._until = 0.0  # [s]
+        self._began: Array | None = None  # where the last one did
+        self._way = -_WAY
 
     @property
     def goes_on(self) -> bool:
@@ -30,7 +36,9 @@ class BackOff:
 
     def begin(self, stamp: float, pose: Array) -> None:
         """From `pose`, at `stamp` [s]."""
-        self._target, self._until = compose(pose, [-_WAY, 0.0, 0.0]), stamp + _TIME
+        again = self._began is not None and math.dist(pose[:2], self._began[:2]) < _NOWHERE
+        self._way, self._began = -self._way if again else -_WAY, pose
+        self._target, self._until = compose(pose, [self._way, 0.0, 0.0]), stamp + _TIME
 
     def end(self) -> None:
         """It is over, wherever the chair is."""
