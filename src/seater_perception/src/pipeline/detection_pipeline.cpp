@@ -104,7 +104,8 @@ PosePrior DetectionPipeline::priorOf(int id) const {
   return prior;
 }
 
-/// [px] Of the image's shifts at a marker: by what its own fit has left over, and the others'. Of none: all alike.
+/// [px] Of the image's shifts at a marker: by what its own fit has left over, and the others', and how far its
+/// outline is from its own fit. Of none: all alike.
 double DetectionPipeline::shiftSigma(const ImageFits& image, const Fit* of) const {
   const double usual = parameters_.pose.model_sigma;
   if (usual == 0.0 && of && !of->refined.deviates) return 0.0;
@@ -117,8 +118,8 @@ double DetectionPipeline::shiftSigma(const ImageFits& image, const Fit* of) cons
     const double weight = of == &*f ? 1.0 : others;
     for (std::size_t k = 0; k < seen.square.size(); ++k) field.add(seen.information[k], seen.square[k], weight);
   }
-  return std::max(image.tone.shift_sigma,
-                  std::hypot(usual > 0.0 ? kLeastShift : 0.0, std::sqrt(field.variance(usual))));
+  const double smooth = std::hypot(usual > 0.0 ? kLeastShift : 0.0, std::sqrt(field.variance(usual)));
+  return std::max({image.tone.shift_sigma, of ? of->refined.outline_apart : 0.0, smooth});
 }
 
 MarkerEstimate DetectionPipeline::settled(const PhotometricContext& context, const std::vector<DockHypothesis>& dock,

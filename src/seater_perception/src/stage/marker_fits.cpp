@@ -111,6 +111,7 @@ void MarkerFits::compareWithNoise(const PhotometricResult& result) {
   psf_sd_ = result.psf_sd;
   shifts_ = result.shifts;
   explained_ = result.explained;
+  white_cut_off_ = result.clipped_high > kClipped;
   model_sigma_ = std::hypot(shiftOf(result, residual, misfit_), bloomOf(result));
   // Curves of grey levels (equalised, binarised images) leave residuals that say little of places.
   if (result.explained < smallestExplained()) model_sigma_ = std::max(model_sigma_, context_.pose.corner_sigma_coarse);

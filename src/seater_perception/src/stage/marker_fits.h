@@ -35,6 +35,8 @@ class MarkerFits {
   double explained() const { return explained_; }
   /// [px] standard deviation of a corner by what the residuals at edges are more than noise; 0: they are noise.
   double modelSigma() const { return model_sigma_; }
+  /// Of the same: white is cut off, which grows into black.
+  bool whiteCutOff() const { return white_cut_off_; }
   /// What the same has left over of shifts of parts of the print.
   const ShiftEvidence& shifts() const { return shifts_; }
   /// What chi-squared has to be divided by to be believed.
@@ -56,6 +58,7 @@ class MarkerFits {
   std::vector<PhotometricBranch> branches_;  // of the last fits
   double residual_ = 0.0, misfit_ = 0.0, psf_sd_ = 0.0, model_sigma_ = 0.0, explained_ = 0.0;
   ShiftEvidence shifts_;
+  bool white_cut_off_ = false;
   double beside_ = 0.0;  // noise round the marker, once it is known
 };
 

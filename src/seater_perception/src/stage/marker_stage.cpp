@@ -17,8 +17,8 @@ namespace {
 // (docs/explanation/perception.md).
 constexpr double kMisfit = 1.8;
 // Residuals of the outer edges about their own steps over those of the whole print. Drawings whose cells are off their
-// places by rounding have at most 0.1, the published images (perception_accuracy) 0.3 to 0.4, of the photographs'
-// markers from 30 px on 95 % more than 0.54.
+// places by rounding have at most 0.1, three of five tags of the published images (perception_accuracy) 0.3
+// to 0.4, of the photographs' markers from 30 px on 95 % more than 0.54.
 constexpr double kClean = 0.4;
 constexpr double kCoarseCorners = 0.25;  // [cells] error of corners that no edge confirms
 constexpr double kUnknown = 1.5;  // of corner_sigma_coarse: the same where no fit says anything (binarised images)
@@ -63,6 +63,16 @@ bool compareWithCorners(const PhotometricContext& context, const MarkerEstimate&
   const auto unbelievable = [&](const PoseHypothesis& h) { return !meaningful(h) || h.error > limit; };
   hypotheses.erase(std::remove_if(hypotheses.begin(), hypotheses.end(), unbelievable), hypotheses.end());
   return true;
+}
+
+/// How far a print's outline is from where the whole print has it (RefinedMarker::outline_apart). Smooth shifts leave
+/// both together. White that has grown inside only, or edges that are steps, do not, and a whole print's pose hides it.
+/// Which of both is right is not in the image. The outline tells nothing where a shadow crosses it, or where white is
+/// cut off and has grown into all of it (by 0.5 px).
+double outlineApart(const MarkerCorners& marker, bool grown, const std::vector<PoseHypothesis>& hypotheses) {
+  if (!marker.edges_fitted || marker.shadow || marker.glare || grown) return 0.0;
+  const auto nearer = [](const PoseHypothesis& a, const PoseHypothesis& b) { return a.error < b.error; };
+  return std::min_element(hypotheses.begin(), hypotheses.end(), nearer)->error / std::sqrt(2.0);
 }
 
 /// Where the image is not as the model has it: a clean outline is what the print's size means (cells may have uneven
@@ -117,7 +127,8 @@ RefinedMarker refineMarker(const PhotometricContext& context, const MarkerEstima
   if (tracked && (hypotheses.empty() || fits.misfit() > kMisfit))
     return {MarkerOutcome::doubtful, marker, true, {}, 0.0};
   if (hypotheses.empty()) hypotheses = fittedCarefully(context, marker, fits);
-  RefinedMarker refined{MarkerOutcome::corners_kept, marker, fits.modelSigma() > 0.0, fits.shifts(), fits.explained()};
+  RefinedMarker refined{
+      MarkerOutcome::corners_kept, marker, fits.modelSigma() > 0.0, fits.shifts(), fits.explained(), 0.0};
   // Of fits that failed, residuals say little, but corners are not as far off as any part of a cell.
   const double coarse = context.pose.corner_sigma_coarse;
   const double shown = std::min(fits.modelSigma(), kCoarseCorners * marker.image.side() / fits.cells());
@@ -130,6 +141,7 @@ RefinedMarker refineMarker(const PhotometricContext& context, const MarkerEstima
     refined.marker.model_sigma = shown;
     return refined;
   }
+  if (refined.deviates) refined.outline_apart = outlineApart(marker.image, fits.whiteCutOff(), hypotheses);
   refined.marker.model_holds = !(fits.misfit() > kMisfit);
   refined.outcome = MarkerOutcome::refined;
   refined.marker.stage = PoseStage::photometric;

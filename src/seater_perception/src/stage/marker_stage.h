@@ -33,6 +33,9 @@ struct RefinedMarker {
   bool deviates = false;   ///< what the fit has left over is more than noise
   ShiftEvidence shifts;    ///< what it has left over of shifts of parts of the print
   double explained = 0.0;  ///< as of PhotometricResult; 0: no fit converged
+  /// [px] along each axis, rms: from the outline's own corners to those of the whole print's pose, where `deviates` and
+  /// the outline can be relied on.
+  double outline_apart = 0.0;
 };
 
 /// Poses of a detected marker. Fits begin at all its hypotheses which the corners cannot tell apart. Where the image is
