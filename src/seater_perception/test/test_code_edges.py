@@ -32,12 +32,12 @@ def rectangle(width: float, height: float, patch: tuple[float, float, float, flo
     return np.clip(np.rint(cv2.GaussianBlur(image, (0, 0), 1.0) + noise), 0, 255).astype(np.uint8)
 
 
-def ids_in(image: np.ndarray) -> list[int]:
+def ids_in(image: np.ndarray, dictionary: str = "DICT_4X4_50") -> list[int]:
     camera = sp.CameraModel.raw(sp.Calibration(WIDTH, HEIGHT, K.ravel().tolist(), [0.0] * 5))
     # Edges of rectangles this long contradict the camera; here, only the code is to decide.
     parameters = sp.default_parameters()
     parameters["pose"] |= {"max_reprojection_error": 20.0, "max_reprojection_fraction": 0.2}
-    layout = sp.layout_of_equal_markers("DICT_4X4_50", 0.1)
+    layout = sp.layout_of_equal_markers(dictionary, 0.1)
     return [m.id for m in sp.DockDetector(camera, layout, parameters).detect(image).markers]
 
 
@@ -99,3 +99,34 @@ def test_small_marks_of_other_dictionaries_are_none(mark: str) -> None:
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_small_code_of_one_patch_is_one(seed: int) -> None:
     assert ids_in(rectangle(14.0, 14.0, (2 / 6, 4 / 6, 1 / 6, 3 / 6), seed)) == [17]
+
+
+def code_of_25_bits(across: list[float], down: list[float], blur: float, seed: int) -> np.ndarray:
+    """Id 197 of DICT_ARUCO_ORIGINAL, cells of 6.7 px, whose four inner edges along each axis lie so many cells beside
+    their places; through a lens of `blur` px."""
+    code = np.pad(np.array(sp.MarkerFamily.named("DICT_ARUCO_ORIGINAL").code(197), dtype=float), 1)
+    mark = 40.0 + 175.0 * code
+    for axis, beside in ((0, down), (1, across)):
+        edges = np.arange(len(code) + 1, dtype=float)
+        edges[2:-2] += beside
+        mark = np.repeat(mark, np.diff(np.rint(edges * 6.7 * SS)).astype(int), axis=axis)
+    image = np.full((HEIGHT * SS, WIDTH * SS), 215.0)
+    image[80 * SS : 80 * SS + len(mark), 90 * SS : 90 * SS + mark.shape[1]] = mark
+    image = cv2.GaussianBlur(image.reshape(HEIGHT, SS, WIDTH, SS).mean(axis=(1, 3)), (0, 0), blur)
+    noise = np.random.default_rng(seed).normal(0.0, 3.0, image.shape)
+    return np.clip(np.rint(image + noise), 0, 255).astype(np.uint8)
+
+
+# A mark of DICT_4X4_50 of 47 px on a photograph, steep, was read as this id: its cells are 6/7 as many.
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize(
+    ("across", "down", "blur"),
+    [
+        ([-0.02, 0.06, 0.27, 0.0], [-0.3, 0.3, 0.32, -0.01], 1.07),
+        ([-0.23, 0.33, 0.05, -0.27], [-0.33, 0.07, -0.32, -0.31], 1.58),
+        ([-0.22, 0.11, -0.04, -0.12], [-0.28, 0.34, 0.07, -0.04], 1.82),
+    ],
+)
+def test_edges_prove_codes_of_25_bits_too(across: list[float], down: list[float], blur: float, seed: int) -> None:
+    assert ids_in(code_of_25_bits([0.0] * 4, [0.0] * 4, blur, seed), "DICT_ARUCO_ORIGINAL") == [197]
+    assert ids_in(code_of_25_bits(across, down, blur, seed), "DICT_ARUCO_ORIGINAL") == []

@@ -23,7 +23,7 @@ constexpr double kEvidencePerDecade = 0.6, kLeastEvidence = 2.5;
 // Where only some ids are looked for, which of the others is likelier is not seen, and the margin proves less. Chosen
 // by hand: marks of other dictionaries reach 0.37 more than with all ids.
 constexpr double kSomeIds = 0.4;
-// Codes of so many bits need no second proof: see kLeastEvidence.
+// Of fewer bits, none may be turned round, and a code of one patch needs more.
 constexpr int kEnoughBits = 25;
 // A cell from 3 px on has a pixel that no edge of it touches, wherever it lies: what that shows is its bit. In smaller
 // ones, a camera that cuts off or stretches grey levels turns bits round (docs/results/photographs.md, Kinds of

@@ -42,8 +42,8 @@ class EvidenceRule {
   EvidenceThreshold anywhere(double min_evidence) const;
   /// Of a code whose place and id are expected.
   EvidenceThreshold whereExpected(double min_evidence) const;
-  /// Whether codes have so few bits that their edges have to prove them too.
-  bool edgesCount() const { return few_bits_; }
+  /// Whether codes have so few bits that one of a single patch resembles what is commonest.
+  bool fewBits() const { return few_bits_; }
 
  private:
   std::vector<double> corrected(double min_evidence) const;

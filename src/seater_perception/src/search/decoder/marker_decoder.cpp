@@ -99,10 +99,10 @@ std::optional<DecodedMarker> MarkerDecoder::Implementation::judge(const ImageLev
   decoded.evidence = codeEvidence(decoded.correlation, decoded.worst_bit, decoded.margin, a.covered());
   decoded.surplus = decoded.evidence - *needed;
   if (decoded.surplus < 0.0) return std::nullopt;
-  if (evidence.edgesCount() && !a.moved) {
+  if (!a.moved) {
     const double sd = a.own ? a.own_sd : TemplateBook::kTemplateSd[static_cast<std::size_t>(a.level)];
     double cost = costOfEdges(codeEdges(image, book, a), cell, sd);
-    if (isOnePatch(book.pattern(a.id))) cost += threshold.moreOfOnePatch(cell);
+    if (evidence.fewBits() && isOnePatch(book.pattern(a.id))) cost += threshold.moreOfOnePatch(cell);
     decoded.evidence -= cost;
     decoded.surplus -= cost;
   }
