@@ -1,5 +1,4 @@
-"""A few cells of the perception commands' tables meet the bars; the commands' --quick versions with all of them run with
-`./seater test --all`."""
+"""A few cells of the perception commands' tables meet the bars; `./seater test --all` runs the commands themselves."""
 
 from __future__ import annotations
 
