@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-SOURCES = Path(__file__).resolve().parents[2] / "src"
-sys.path.insert(0, str(SOURCES / "seater_safety" / "test" / "node"))
-sys.path.append(str(SOURCES / "seater_nmpc" / "test"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "src" / "seater_safety" / "test" / "node"))
+sys.path.append(str(Path(__file__).resolve().parents[2] / "src" / "seater_nmpc" / "test"))
 from own_master import own_master  # isort: skip  # before rospy
 from driver import Driver, end_gates
 from shared_programmes import share

@@ -29,7 +29,7 @@ from seater_sim.chair.odometry import Odometry
 from seater_sim.settings import NANOSECONDS
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
-RUNS = 200  # an eighth of them always, all with `./seater test --all`; the bounds are those of the number
+RUNS = 200  # a quarter of them always, all with `./seater test --all`; the bounds are those of the number
 SEEDS = range(1000, 1000 + RUNS)  # means over other seeds: docs/results/controller.md
 STEP = 0.04  # [s] between two odometry messages
 STAND = 0.8  # [s] before and after driving
@@ -149,7 +149,7 @@ def test_ways_end_at_the_dock(setup: Setup, sensor: DockSensor) -> None:
     assert all(math.hypot(x, y) < 0.02 and abs(wrap_angle(heading)) < 0.02 for x, y, heading in ends)
 
 
-@pytest.mark.parametrize("runs", [RUNS // 8, pytest.param(RUNS, marks=pytest.mark.extensive)])
+@pytest.mark.parametrize("runs", [RUNS // 4, pytest.param(RUNS, marks=pytest.mark.extensive)])
 def test_nees_of_many_approaches(setup: Setup, sensor: DockSensor, runs: int) -> None:
     """Markers exactly where docks/default.yaml says, as in the simulator, so there is nothing left by calibration."""
     parameters = replace(setup.parameters.observer, calibration_position=0.0, calibration_heading=0.0)

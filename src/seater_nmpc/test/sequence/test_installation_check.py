@@ -94,7 +94,6 @@ def test_on_the_way_it_turns_where_it_need_not_back_out(make_world) -> None:
     assert all(ahead > behind - 0.1 for behind, ahead in pairwise(pose[0] for pose in far.track)), "backed out"
 
 
-@pytest.mark.extensive  # another pause than those of test_pause.py
 def test_a_pause_forgets_no_turn(make_world) -> None:
     world = begin_known(make_world(FAR, sequence={"installation_check": "on_the_way", "pause_time": 20.0}))
     world.run(60.0, lambda step: step.phase is Phase.CHECK_INSTALLATION and world.truth[0] > -1.9)
@@ -107,7 +106,6 @@ def test_a_pause_forgets_no_turn(make_world) -> None:
     assert world.sequence.installation["mount_x"][1] < 0.007, "0.005 by both places, 0.011 by the near one"
 
 
-@pytest.mark.extensive  # test_installation.py shows that it begins anew
 def test_what_the_mirror_image_has_shown_is_turned_for_again(make_world) -> None:
     """The dock is mirrored about the line of sight until the chair has turned far away: the near turn is made still."""
     world = begin(make_world((-2.6, 0.3, 0.0), sequence={"installation_check": "on_the_way"}))
