@@ -182,6 +182,7 @@ def test_a_bag_is_read_by_its_topics(tmp_path: Path) -> None:
     assert done.returncode == 2 and "nothing like the two files explains this drive" in done.stderr
 
 
+@pytest.mark.extensive  # test_commissioning.py calibrates out of images always
 def test_from_rendered_images() -> None:
     """Images of seater_sim, read by seater_perception, which believes the files."""
     sp = pytest.importorskip("seater_perception")
