@@ -26,7 +26,7 @@ def job(kind: str, side: float = 40.0, shift: float = 0.0, seed: int = 3) -> Kin
     return KindJob(kind, shift, DICTIONARIES[0], side, seed, PARAMETERS)
 
 
-@pytest.mark.parametrize("kind", ["ideal", "aliased"])
+@pytest.mark.parametrize("kind", ["ideal", pytest.param("aliased", marks=pytest.mark.extensive)])
 def test_prints_are_drawn_where_they_are(kind: str) -> None:
     """By OpenCV's corners, and in pixels whose centres are whole numbers: half a pixel would show."""
     prints, random = scene(job(kind, 60.0))
