@@ -156,3 +156,16 @@ def test_pairs_that_are_none_are_named_by_their_line(tmp_path: Path, line: str) 
         read_pairs(file)
     file.write_text("axis,volts,speed\nturn,2.5,-0.25\n")
     assert read_pairs(file) == [("turn", 2.5, -0.25)]
+
+
+def test_pairs_of_a_spreadsheet_that_writes_semicolons_and_decimal_commas(tmp_path: Path) -> None:
+    file = tmp_path / "pairs.csv"
+    file.write_bytes("\ufeffaxis;volts;speed\r\nturn;2,5;-0,25\r\n".encode())
+    assert read_pairs(file) == [("turn", 2.5, -0.25)]
+
+
+def test_other_columns_are_named(tmp_path: Path) -> None:
+    file = tmp_path / "pairs.csv"
+    file.write_text("axis,voltage,speed\nturn,2.5,-0.25\n")
+    with pytest.raises(FitError, match=r"line 1: must be axis,volts,speed, is 'axis,voltage,speed'"):
+        read_pairs(file)
