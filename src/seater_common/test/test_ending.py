@@ -67,6 +67,15 @@ def test_output_that_cannot_be_written(reader: str | None, status: int, words: b
     assert (done.returncode, done.stderr) == (status, words)
 
 
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
+def test_a_terminal_without_ticks_shows_the_rest(encoding: str) -> None:
+    work = "print('\u2718 odom') or 0"
+    line = f"from seater_common.command.ending import ended; raise SystemExit(ended('x', lambda: {work}))"
+    words, environment = [sys.executable, "-c", line], os.environ | {"PYTHONIOENCODING": encoding}
+    done = subprocess.run(words, env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "? odom\n", "")
+
+
 def test_ctrl_c_while_a_program_imports_shows_no_line_of_python(tmp_path: Path) -> None:
     program = tmp_path / "program"
     begin = "import seater_common.command.interrupt\nimport os, signal\n"

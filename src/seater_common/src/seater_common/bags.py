@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -30,7 +29,7 @@ def open_bag(path: str | Path, failure: Failure) -> Iterator[BagFile]:
     with opened(path, failure) as bag:
         try:
             file = BagFile(path, bag, failure)
-        except _damages() as error:
+        except Exception as error:  # in a damaged file rosbag stumbles over anything
             raise _unreadable(path, error, failure) from error
         yield file
 
@@ -45,7 +44,7 @@ def opened(path: str | Path, failure: Failure) -> Iterator[Any]:
             begin = file.read(len(_BEGIN))
         is_one = _BEGIN.startswith(begin)  # or is cut off
         bag = rosbag.Bag(str(path)) if is_one else None
-    except _damages() as error:
+    except Exception as error:  # in a damaged file rosbag stumbles over anything
         raise _unreadable(path, error, failure) from error
     if bag is None:
         raise failure(f"cannot read the bag {path}: is no bag")
@@ -91,21 +90,11 @@ class BagFile:
         while True:
             try:
                 message = next(messages, None)
-            except _damages() as error:
+            except Exception as error:  # in a damaged file rosbag stumbles over anything
                 raise _unreadable(self._path, error, self._failure) from error
             if message is None:
                 return
             yield message
-
-
-def _damages() -> tuple[type[Exception], ...]:
-    """What rosbag raises of a file that is damaged: its own kind of error, or whatever it stumbles over."""
-    import genpy
-    import rosbag
-    from genpy.generator import MsgGenerationException
-
-    stumbles = (KeyError, IndexError, ValueError, struct.error, genpy.MessageException, MsgGenerationException)
-    return OSError, rosbag.ROSBagException, *stumbles
 
 
 def _unreadable(path: str | Path, error: Exception, failure: Failure) -> Exception:

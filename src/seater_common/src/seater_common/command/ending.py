@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import errno
+import io
 import os
 import sys
 from collections.abc import Callable
@@ -24,6 +25,8 @@ def ended(
     what is `wrong` for this command, too), `unwritten` for a file that cannot be read or written, 130 for Ctrl-C. 141
     and no word where nobody reads on, as behind `| head`."""
     wrong_input: tuple[type[Exception], ...] = (ParameterError, *wrong)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a terminal that has no tick shows a question mark
     try:
         status = work()
         sys.stdout.flush()  # at Python's own end it would be too late to say anything
