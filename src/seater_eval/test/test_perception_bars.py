@@ -7,7 +7,7 @@ from pathlib import Path
 
 import cv2
 
-from seater_eval.perception.accuracy import QUICK_CELLS, QUICK_METHODS, accuracy_bars
+from seater_eval.perception.accuracy import COMPARED, QUICK_CELLS, accuracy_bars
 from seater_eval.perception.accuracy_cells import BranchJob, CellJob, count_wrong_branches, run_cell
 from seater_eval.perception.images.degraded_camera import load_degraded_camera
 from seater_eval.perception.images.negatives import KINDS
@@ -29,7 +29,7 @@ def test_accuracy() -> None:
     """One cell near, which is what takes long, and all angles far away; with the images of the command."""
     cells = [(0.10, 0.9, 30.0), (0.10, 2.84, 0.0), (0.10, 2.84, 15.0), (0.10, 2.84, 30.0)]
     places = [(QUICK_CELLS.index(cell), cell) for cell in cells]
-    jobs = [CellJob(CONFIG, s, z, math.radians(a), 24, 0, QUICK_METHODS, i) for i, (s, z, a) in places]
+    jobs = [CellJob(CONFIG, s, z, math.radians(a), 24, 0, COMPARED, i) for i, (s, z, a) in places]
     published = published_images(CONFIG)  # None without Debian's package: a bar that is missed
     branches = count_wrong_branches(BranchJob(CONFIG, 0, 20))
     data = {"quick": True, "cells": [run_cell(job) for job in jobs], "branches": branches, "published": published}
