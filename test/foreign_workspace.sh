@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The repository as a folder in somebody else's catkin workspace: configuring works with an interpreter that knows
 # casadi and piqp, and another one is refused with the remedy.
+# SEATER_EXTENSIVE in the environment: every package.
 # usage: foreign_workspace.sh ROOT BUILD_FOLDER PYTHON
 set -euo pipefail
 root=$1 workspace=$2/foreign_workspace python=$3
@@ -23,5 +24,8 @@ elif ! grep -q "cannot import casadi and piqp" <<<"$(tr -s ' \n' ' ' <<<"$refusa
   exit 1
 fi
 rm -rf "$workspace/build"
-configure "$python"
+# Every package with `./seater test --all`, else those that ask most of their surroundings.
+some=()
+[[ -v SEATER_EXTENSIVE ]] || some=("-DCATKIN_WHITELIST_PACKAGES=seater_msgs;seater_nmpc;seater_perception;seater_safety")
+configure "$python" "${some[@]}"
 grep -q seater_nmpc "$workspace/build/catkin_generated/order_packages.cmake"

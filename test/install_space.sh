@@ -18,4 +18,4 @@ for package in seater_perception seater_nmpc seater_sim seater_bringup seater_co
   case "$found" in "$prefix"/*) ;; *) echo "$package is found in $found, not in $prefix"; exit 1 ;; esac
 done
 rosrun seater_perception detect_image --help
-rosrun seater_eval dock_run --start "-1.0 0 0" --images none --results "$root/results/test/installed_dock"
+rosrun seater_eval dock_run --start "-0.6 0 0" --images none --results "$root/results/test/installed_dock"

@@ -132,7 +132,7 @@ def ctest_command(options: argparse.Namespace, report: Path) -> list[str]:
     words += ["-C", "extensive"] if options.all else []
     words += ["--output-junit", str(report), "--no-tests=error"]
     if options.rostest:
-        wanted = [f"_rostest_launch_{re.escape(name)}\\.test$" for name in options.rostest]
+        wanted = [f"rostest_launch_{re.escape(name)}\\.test$" for name in options.rostest]
     elif options.match:
         wanted = [options.match]
     else:
@@ -164,10 +164,13 @@ def main() -> int:
                                      formatter_class=argparse.RawDescriptionHelpFormatter)  # fmt: skip
     chosen = parser.add_mutually_exclusive_group()
     parser.add_argument("--only", nargs="+", choices=KINDS, help="only these kinds of tests")
-    chosen.add_argument("--rostest", nargs="+", metavar="NAME", help="only these files of test/launch, e.g. cancel")
+    chosen.add_argument("--rostest", nargs="+", metavar="NAME",
+                        help="these files of test/launch (--all: and of its extensive/), e.g. cancel")  # fmt: skip
     chosen.add_argument("--match", metavar="REGEX", help="only tests whose name matches, as `ctest -R`")
     parser.add_argument(
-        "--all", action="store_true", help="also what takes many minutes: every start of each geometry, clang-tidy"
+        "--all",
+        action="store_true",
+        help="also what takes many minutes: evaluations, more starts and values, clang-tidy",
     )
     # Two more than cores: tests with nodes wait a part of their time (a third of it, on two cores).
     parser.add_argument("--jobs", type=int, default=(os.cpu_count() or 1) + 2, metavar="N",

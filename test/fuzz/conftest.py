@@ -9,8 +9,12 @@ from pathlib import Path
 import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "src" / "seater_safety" / "test" / "node"))
+sys.path.append(str(Path(__file__).resolve().parents[2] / "src" / "seater_nmpc" / "test"))
 from own_master import own_master  # isort: skip  # before rospy
 from driver import Driver, end_gates
+from shared_programmes import share
+
+share()
 
 
 @pytest.fixture(scope="session")

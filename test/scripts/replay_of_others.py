@@ -72,6 +72,10 @@ class ReplayOfOthers(unittest.TestCase):
                 self.assertAlmostEqual(float(row["dock_x"]), AHEAD + DISTANCE, delta=0.005)
                 self.assertAlmostEqual(float(row["dock_y"]), 0.0, delta=0.005)
 
+
+class InMoreWays(ReplayOfOthers):
+    """Of `./seater test --all`: the launch file says so. test_bag_input.py asks the same without processes."""
+
     def test_what_prevents_it_is_named(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             said, results = self.replay(Path(folder))
@@ -85,4 +89,5 @@ class ReplayOfOthers(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("seater_test", "replay_of_others", ReplayOfOthers, sys.argv)
+    cases = InMoreWays if rospy.get_param("/extensive", False) else ReplayOfOthers
+    rostest.rosrun("seater_test", "replay_of_others", cases, sys.argv)

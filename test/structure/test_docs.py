@@ -41,6 +41,13 @@ def test_lines_are_short(page: Path) -> None:
     assert [line for line in page.read_text().splitlines() if len(line) > LONGEST_LINE] == []
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_commands_run_as_they_are_copied(page: Path) -> None:
+    """Not only in a shell that knows ROS: the first word of each is ./seater, or one of the system's."""
+    for line in page.read_text().splitlines():
+        assert not re.match(r"\s*ros(run|launch|topic|service|test)\s+(-\w|\w+_\w+|echo|pub|call)", line), line
+
+
 def test_the_index_knows_every_page() -> None:
     index = ROOT / "docs" / "README.md"
     known = {(index.parent / link.partition("#")[0]).resolve() for link in LINK.findall(index.read_text())}

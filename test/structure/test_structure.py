@@ -21,6 +21,26 @@ def is_adapter(path: Path) -> bool:
     return any(p == "ros" or p.endswith("_ros") or p == "nodes" for p in relative.parts) or path.stem.endswith("_node")
 
 
+def programs() -> list[Path]:
+    """Those in Python that people or launch files start."""
+    found = [p for folder in ("nodes", "evaluation") for p in sorted(ROOT.glob(f"src/seater_*/{folder}/**/*"))]
+    return [p for p in found if p.is_file() and p.suffix == "" and p.read_text().startswith("#!/usr/bin/env python3")]
+
+
+@pytest.mark.parametrize("path", programs(), ids=lambda p: str(p.relative_to(ROOT)))
+def test_programs_begin_with_what_answers_ctrl_c(path: Path) -> None:
+    imports = re.findall(r"^(?:import|from) (?!__future__)([\w.]+)", path.read_text(), re.MULTILINE)
+    assert imports[0] == "seater_common.command.interrupt"
+
+
+def test_programs_that_people_start_end_with_a_line() -> None:
+    """Those of the reference: with an exit status and a cause, not where in Python they were."""
+    known = set(re.findall(r"\w+", (ROOT / "docs" / "reference" / "commands.md").read_text()))
+    texts = [(path, path.read_text()) for path in programs() if path.name in known and path.parts[-3] != "seater_sim"]
+    assert len(texts) > 25
+    assert [path for path, text in texts if "ended(" not in text and "init_node(" not in text] == []
+
+
 def core_files(pattern: str) -> list[Path]:
     return [p for p in sorted(ROOT.glob(pattern)) if not is_adapter(p)]
 

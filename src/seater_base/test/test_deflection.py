@@ -1,6 +1,9 @@
 """Speeds to voltages and back: never beyond the table, neutral for whatever is unclear, and no table that is none."""
 
+import io
 import math
+import runpy
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -156,3 +159,28 @@ def test_pairs_that_are_none_are_named_by_their_line(tmp_path: Path, line: str) 
         read_pairs(file)
     file.write_text("axis,volts,speed\nturn,2.5,-0.25\n")
     assert read_pairs(file) == [("turn", 2.5, -0.25)]
+
+
+def test_pairs_of_a_spreadsheet_that_writes_semicolons_and_decimal_commas(tmp_path: Path) -> None:
+    file = tmp_path / "pairs.csv"
+    file.write_bytes("\ufeffaxis;volts;speed\r\nturn;2,5;-0,25\r\n".encode())
+    assert read_pairs(file) == [("turn", 2.5, -0.25)]
+
+
+def test_other_columns_are_named(tmp_path: Path) -> None:
+    file = tmp_path / "pairs.csv"
+    file.write_text("axis,voltage,speed\nturn,2.5,-0.25\n")
+    with pytest.raises(FitError, match=r"line 1: must be axis,volts,speed, is 'axis,voltage,speed'"):
+        read_pairs(file)
+
+
+def test_where_nobody_can_answer_nothing_drives(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As behind a pipe: the question of the lifted wheels is not answered with yes."""
+    program = Path(__file__).resolve().parents[1] / "nodes" / "deflection_table"
+    monkeypatch.setattr(sys, "argv", [str(program), "--drive", "--settings", str(FILE.parent / "base.yaml")])
+    monkeypatch.setattr(sys, "stdin", io.StringIO())
+    with pytest.raises(SystemExit, match="1"):
+        runpy.run_path(str(program), run_name="__main__")
+    assert "deflection_table: not driven" in capsys.readouterr().err

@@ -28,7 +28,8 @@ def start() -> str:
 
 def settings() -> dict[str, str]:
     lines = (PACKAGE / "systemd" / "seater.conf").read_text().splitlines()
-    return dict(line.split("=", 1) for line in lines if line and not line.startswith("#"))
+    pairs = (line.split("=", 1) for line in lines if line and not line.startswith("#"))
+    return {name: value.strip('"') for name, value in pairs}
 
 
 def test_systemd_finds_nothing_wrong() -> None:
@@ -55,6 +56,14 @@ def test_the_arguments_are_those_of_the_launch_file() -> None:
 
 def test_every_variable_of_the_unit_is_in_the_settings() -> None:
     assert set(re.findall(r"\$([A-Z_]+)", start())) <= set(settings())
+
+
+def test_what_programs_keep_goes_where_the_user_may_write() -> None:
+    """The user has no home: the panel, which keeps its token, would not start."""
+    lines = [line for line in UNIT.read_text().splitlines() if line.startswith("Environment=")]
+    kept = dict(word.split("=", 1) for line in lines for word in line.removeprefix("Environment=").split())
+    state = Path("/var/lib") / unit()["Service"]["StateDirectory"]
+    assert Path(kept["HOME"]) == Path(kept["XDG_STATE_HOME"]) / "seater" == Path(kept["ROS_HOME"]) == state
 
 
 @pytest.mark.parametrize("name", ["seater.service", "seater.logrotate"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from random import Random
 
 import pytest
 
@@ -39,6 +40,34 @@ def test_raw_messages_have_their_definition(tmp_path: Path) -> None:
         (raw,) = file.raw(["contact"])
     assert (raw.topic, raw.kind, raw.data) == ("/contact", "std_msgs/Bool", b"\x01")
     assert raw.connection["message_definition"] == Bool._full_text
+
+
+def test_other_files_are_no_bags(tmp_path: Path) -> None:
+    path = tmp_path / "panel.png"
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(100))
+    with pytest.raises(ValueError, match=r"cannot read the bag .*panel\.png: is no bag"), open_bag(path, ValueError):
+        pass
+
+
+def test_a_damaged_bag_is_named(tmp_path: Path) -> None:
+    """Bytes that were turned round make rosbag stumble over numbers, names and sizes of its own."""
+
+    class NamedError(Exception):
+        pass
+
+    path, named = bag(tmp_path, 30), 0
+    content, random = path.read_bytes(), Random(1)
+    for _ in range(30):
+        damaged = bytearray(content)
+        for _ in range(3):
+            damaged[random.randrange(13, len(damaged))] = random.randrange(256)
+        path.write_bytes(damaged)
+        try:
+            with open_bag(path, NamedError) as file:
+                list(file.messages(["speed", "contact"]))
+        except NamedError:
+            named += 1
+    assert named > 10
 
 
 @pytest.mark.parametrize("kept", [0, 100, 0.6])

@@ -3,6 +3,8 @@
 import argparse
 import os
 import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -45,6 +47,65 @@ def test_ctrl_c_ends_with_130_and_a_line(capsys: pytest.CaptureFixture[str]) -> 
 
     assert ended("seater x", work) == 130
     assert capsys.readouterr().err.endswith("seater x: interrupted\n")
+
+
+@pytest.mark.parametrize(
+    ("reader", "status", "words"),
+    [("/dev/full", 2, b"x: no space left on device\n"), (None, 141, b"")],
+    ids=["disk full", "nobody reads on"],
+)
+def test_output_that_cannot_be_written(reader: str | None, status: int, words: bytes) -> None:
+    """Of a small output, which Python writes at its end."""
+    line = "from seater_common.command.ending import ended; raise SystemExit(ended('x', lambda: print('text') or 0))"
+    if reader:
+        out = os.open(reader, os.O_WRONLY)
+    else:
+        read, out = os.pipe()
+        os.close(read)
+    done = subprocess.run([sys.executable, "-c", line], stdout=out, stderr=subprocess.PIPE)
+    os.close(out)
+    assert (done.returncode, done.stderr) == (status, words)
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
+def test_a_terminal_without_ticks_shows_the_rest(encoding: str) -> None:
+    work = "print('\u2718 odom') or 0"
+    line = f"from seater_common.command.ending import ended; raise SystemExit(ended('x', lambda: {work}))"
+    words, environment = [sys.executable, "-c", line], os.environ | {"PYTHONIOENCODING": encoding}
+    done = subprocess.run(words, env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "? odom\n", "")
+
+
+def test_ctrl_c_while_a_program_imports_shows_no_line_of_python(tmp_path: Path) -> None:
+    program = tmp_path / "program"
+    begin = "import seater_common.command.interrupt\nimport os, signal\n"
+    program.write_text(begin + "os.kill(os.getpid(), signal.SIGINT)\nimport numpy\n")
+    done = subprocess.run([sys.executable, program], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (-signal.SIGINT, "\nprogram: interrupted\n")
+
+
+def test_ctrl_c_in_casadi_which_drops_what_is_raised_waits_until_it_is_out(tmp_path: Path) -> None:
+    library, program = tmp_path / "casadi" / "library.py", tmp_path / "program"
+    library.parent.mkdir()
+    (library.parent / "__init__.py").write_text("")
+    library.write_text(
+        "import os, signal\n"
+        "def solve():\n"
+        "    try:\n"
+        "        os.kill(os.getpid(), signal.SIGINT)\n"
+        "    except BaseException:\n"
+        "        pass\n"
+    )
+    begin = "import seater_common.command.interrupt\nimport time\nfrom casadi.library import solve\n"
+    program.write_text(f"{begin}solve()\ntime.sleep(10.0)\n")
+    done = subprocess.run([sys.executable, program], capture_output=True, text=True, timeout=5.0)
+    assert (done.returncode, done.stderr) == (-signal.SIGINT, "\nprogram: interrupted\n")
+
+
+def test_any_other_error_of_an_import_is_shown_in_full() -> None:
+    line = "import seater_common.command.interrupt; import no_such_module"
+    done = subprocess.run([sys.executable, "-c", line], capture_output=True, text=True)
+    assert done.returncode == 1 and "Traceback" in done.stderr and "no_such_module" in done.stderr
 
 
 def test_the_system_s_errors_are_said_in_words(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

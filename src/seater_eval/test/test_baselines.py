@@ -43,6 +43,7 @@ def test_do_mpc_reaches_the_dock_in_free_space() -> None:
     assert run.failures == 0
 
 
+@pytest.mark.extensive  # it reaches the dock always
 def test_do_mpc_has_the_same_problem_as_the_docking_controller() -> None:
     """Walls, bay speed and penalty included: the two drive the same way, but for the field of view, which is easy
     here."""

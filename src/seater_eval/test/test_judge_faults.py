@@ -71,7 +71,14 @@ def test_a_wrong_installation_is_told_in_words() -> None:
             installation.parse(text)
 
 
-@pytest.mark.parametrize("text", ["mount_yaw:3", "focal:0.1", "size:0.08", "mount_pitch:4"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "mount_yaw:3",
+        "focal:0.1",
+        *(pytest.param(text, marks=pytest.mark.extensive) for text in ("size:0.08", "mount_pitch:4")),
+    ],
+)
 def test_a_wrong_installation_is_no_success(text: str) -> None:
     row = dataclasses.replace(rows()["issue"][0], installation=installation.parse(text))
     values, _ = run(Job(str(CONFIG), row, 5))

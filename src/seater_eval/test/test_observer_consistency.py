@@ -168,7 +168,7 @@ def test_a_wrong_covariance_is_noticed(setup: Setup, sensor: DockSensor) -> None
             assert_within(mean_errors(setup, sensor, wrong, 20, bias=False), 0.999, 1.0, 20)
 
 
-@pytest.mark.parametrize("runs", [30, pytest.param(50, marks=pytest.mark.extensive)])
+@pytest.mark.parametrize("runs", [20, pytest.param(50, marks=pytest.mark.extensive)])
 def test_nees_with_what_calibration_leaves(setup: Setup, sensor: DockSensor, runs: int) -> None:
     """The parameters of controller.yaml as they are; in each run the markers are displaced as these say.
 

@@ -11,6 +11,7 @@ from seater_common.params import ParameterError
 from seater_eval.perception import subject
 from seater_eval.perception.accuracy import accuracy_bars
 from seater_eval.perception.accuracy_cells import bound_entry, nees_entry, table_bounds
+from seater_eval.perception.accuracy_report import before_bars, beside_before
 from seater_eval.perception.images.degraded_camera import load_degraded_camera
 from seater_eval.perception.images.negatives import KINDS, OTHER_IDS, negative
 from seater_eval.perception.images.render import Print, clean_image, corners_of, exposed
@@ -243,3 +244,26 @@ def test_results_depend_on_configuration_and_library() -> None:
     names = [file.name for file in subject.result_files(CONFIG)]
     assert "perception.yaml" in names and "degraded.yaml" in names
     assert any("libseater_perception" in name for name in names)
+
+
+def test_accuracy_beside_an_earlier_version() -> None:
+    """Cell by cell, by size, distance and angle, in any order; 1.10 times is the limit."""
+    cells = accuracy_data()["cells"]
+    data = {"cells": [{**cells[0], "angle_deg": angle} for angle in (0.0, 15.0, 30.0)]}
+
+    def ours(factor: float, fewer: int = 0) -> dict:
+        changed = {"cells": [dict(c, methods=dict(c["methods"])) for c in reversed(data["cells"])]}
+        entry = dict(changed["cells"][1]["methods"]["seater"])
+        entry["found"] += fewer
+        entry["position_mm"] = {"median": entry["position_mm"]["median"] / factor}
+        changed["cells"][1]["methods"]["seater"] = entry
+        return changed
+
+    def met(before: dict) -> list[bool]:
+        return [bar.met for bar in before_bars(beside_before(data, before))]
+
+    assert met(ours(1.09)) == [True, True]
+    assert met(ours(1.11)) == [False, True]
+    assert met(ours(0.5, fewer=1)) == [True, False]
+    assert "15 deg; 3 cells" in before_bars(beside_before(data, ours(1.11)))[0].note
+    assert met({"cells": []}) == [False, False]

@@ -1,5 +1,4 @@
-"""The perception commands refuse a wrong configuration. Their --quick versions run in `./seater test`, stage
-`evaluation`."""
+"""The perception commands refuse a wrong configuration. Their --quick versions run with `./seater test --all`."""
 
 import os
 import subprocess

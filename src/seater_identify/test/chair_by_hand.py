@@ -1,4 +1,4 @@
-"""A chair written apart from the estimator and from seater_sim: plain Euler steps of 1 ms, quick to read."""
+"""A chair written apart from the estimator and from seater_sim: plain Euler steps of 2 ms, quick to read."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from seater_identify.record.recording import Recording
 from seater_identify.settings import IdentifySettings
 
 Array = NDArray[np.float64]
-DT = 0.001
+DT = 0.002  # [s]
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,9 @@ def drive(truth: Truth, seed: int = 1, dock: bool = True, settings: IdentifySett
     gain, deadband, lag = np.array(truth.gain), np.array(truth.deadband), np.array(truth.lag)
     limit, e = np.array(truth.ramp) * DT, truth.errors
     wanted, rows = np.zeros(2), {"command": [], "odometry": [], "dock": []}
-    for step in range(150_000):
-        now = step * DT
-        if step % 30 == 0:
+    for now_ms in range(0, 150_000, 2):
+        now = 1e-3 * now_ms
+        if now_ms % 30 == 0:
             counted = np.round(wheels / truth.tick) * truth.tick
             way, turn = counted - measured
             measured = counted
@@ -51,7 +51,7 @@ def drive(truth: Truth, seed: int = 1, dock: bool = True, settings: IdentifySett
             seen_pose = seen_pose + [way * math.cos(middle), way * math.sin(middle), turn]
             rows["odometry"].append([now, *seen_pose])
             driver.odometry(now, seen_pose, now)
-        if step % 20 == 0:
+        if now_ms % 20 == 0:
             if driver.state is DriveState.READY:
                 driver.start(now)
             command = np.array(driver.command(now))
@@ -59,7 +59,7 @@ def drive(truth: Truth, seed: int = 1, dock: bool = True, settings: IdentifySett
             queue.append((now + truth.delay, command))
             if driver.state in (DriveState.DONE, DriveState.STOPPED):
                 break
-        if dock and step % 80 == 0 and abs(math.remainder(pose[2], 2 * math.pi)) < 0.4:
+        if dock and now_ms % 80 == 0 and abs(math.remainder(pose[2], 2 * math.pi)) < 0.4:
             c, s = math.cos(pose[2]), math.sin(pose[2])
             local = np.array([-c * pose[0] - s * pose[1], s * pose[0] - c * pose[1], -pose[2]])
             rows["dock"].append([now, *(local + [0.003, 0.003, 0.004] * rng.standard_normal(3))])

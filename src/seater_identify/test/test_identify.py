@@ -56,6 +56,7 @@ def test_a_ramp_slower_than_the_commands_is_found_and_a_faster_one_is_a_bound() 
     assert fast.quality is Quality.BOUND and fast.value == pytest.approx(0.5, rel=0.1)
 
 
+@pytest.mark.extensive  # those that matter are found always
 def test_deadbands_that_hardly_matter_are_found() -> None:
     found = identify(drive(Truth(deadband=(0.0038, 0.006), tick=1e-4)))
     assert found["deadband_v"].value == pytest.approx(0.0038, abs=0.001)

@@ -49,6 +49,7 @@ def test_what_is_refused_stays_as_it_was(monkeypatch: pytest.MonkeyPatch) -> Non
     assert told.control.prediction.command_delay != NmpcParameters().control.prediction.command_delay
 
 
+@pytest.mark.extensive  # another chair is told as its file has it always
 def test_the_ideal_chair_keeps_the_odometry_of_its_seed() -> None:
     odometry = OdometrySettings(scale_sd=0.05)
     ideal = dataclasses.replace(CHAIR, plant=PlantSettings(kind=KINEMATIC), odometry=odometry)

@@ -15,6 +15,8 @@ SOURCES = Path(__file__).resolve().parents[2]
 for package in ("seater_nmpc", "seater_common"):
     sys.path.insert(0, str(SOURCES / package / "src"))
 
+import shared_programmes  # noqa: E402
+
 from seater_common.camera_model import CameraModel  # noqa: E402
 from seater_common.geometry import Chair, Dock, pose_matrix  # noqa: E402
 from seater_common.se2 import arc_step, compose, inverse  # noqa: E402
@@ -29,6 +31,8 @@ from seater_nmpc.plan.navigator import Navigator  # noqa: E402
 from seater_nmpc.sequence.docking_sequence import DockingSequence  # noqa: E402
 from seater_nmpc.sequence.goal.results import Step  # noqa: E402
 from seater_nmpc.sequence.vehicle import Vehicle  # noqa: E402
+
+shared_programmes.share()
 
 T_ODOM_DOCK = np.array([1.0, 2.0, 0.7])
 CAMERA = CameraModel.from_mapping(yaml.safe_load((SOURCES.parent / "config/cameras/d455.yaml").read_text()))

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import AT_ONCE
+from conftest import AT_ONCE, seldom
 
 from seater_common.geometry import Chair, Dock
 from seater_common.se2 import arc_step
@@ -19,6 +19,7 @@ AREAS = dock_areas(DOCK)
 PARAMETERS = ControlParameters(prediction=AT_ONCE)
 
 
+@pytest.mark.extensive  # a horizon that nothing ships
 def test_a_long_horizon_does_not_swing_between_two_plans() -> None:
     """Eight seconds ahead, into the bay: full steps alone give the costs 22, 56, 22, ... where the solution has 16."""
     controller = DockingController(CHAIR, DOCK, replace(PARAMETERS, solver="rti", horizon=80), deterministic=True)
@@ -39,7 +40,9 @@ def as_in_the_paper():
     return DockingController(chair, DOCK, replace(fast, fine_steps=15, step=0.12), deterministic=True)
 
 
-@pytest.mark.parametrize("start", [(-1.5, 2.0, 90.0), (1.5, 2.0, -90.0), (1.5, 2.0, 0.0), (-1.5, 2.0, 0.0)])
+@pytest.mark.parametrize(
+    "start", [(-1.5, 2.0, 90.0), seldom((1.5, 2.0, -90.0)), (1.5, 2.0, 0.0), seldom((-1.5, 2.0, 0.0))]
+)
 def test_table_ii_within_a_hundredth_of_a_millimetre(as_in_the_paper, start) -> None:
     """The paper's four poses; bar: 0.01 mm, 0.0001 deg in 12 s."""
     controller = as_in_the_paper

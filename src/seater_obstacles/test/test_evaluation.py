@@ -14,6 +14,7 @@ CONFIG = Path(__file__).resolve().parents[3] / "config"
 IN_THE_WAY = 3  # a seed whose box stands on the straight way
 
 
+@pytest.mark.extensive  # the nodes drive round one always: obstacle_seen.test
 def test_a_blind_chair_runs_into_the_box_that_a_seeing_one_drives_round() -> None:
     blind, seeing = (
         run_cases(CONFIG, ("box",), 1, sensor="scan", watched=watched, seed=IN_THE_WAY, workers=1)

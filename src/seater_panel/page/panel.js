@@ -11,7 +11,8 @@ const GATE = {
   RUNAWAY: ["motors off", "bad"], WRONG_DIRECTION: ["motors off", "bad"], OBSTACLE: ["obstacle", "warn"],
 };
 const LINK = {
-  open: ["connected", "good"], lost: ["no connection", "bad"], token: ["wrong token", "bad"], full: ["too many pages", "bad"],
+  open: ["connected", "good"], lost: ["no connection", "bad"], token: ["wrong token", "bad"],
+  none: ["no token", "bad"], full: ["too many pages", "bad"],
 };
 
 // The token comes behind the # of the address, which is sent nowhere; it is kept for a reload of this tab.
@@ -84,9 +85,11 @@ function linkState(state) {
   badge("link", LINK[state]);
   if (state === "open") return;
   buttons.lost();
+  badge("gate", ["–", ""]);  // what was said last may be true no longer
   $("state").className = "bad";
-  put("title", state === "token" ? "No access" : "No connection");
-  put("reason", state === "token"
+  const refused = state === "token" || state === "none";
+  put("title", refused ? "No access" : "No connection");
+  put("reason", refused
     ? "Open the address with the token that the terminal shows."
     : "The chair drives only while a connected button is held.");
 }
@@ -113,5 +116,5 @@ if (token) {
   link = new Link(token, { answer: () => buttons.answer(), onMessage, onState: linkState });
   showImages(token, $("image"));
 } else {
-  linkState("token");
+  linkState("none");
 }

@@ -30,6 +30,11 @@ def test_a_connection_that_breaks(browser: Browser) -> None:
         await is_let_go(panel, RELEASE)
         await page.until("document.body.dataset.link === 'lost'")
         assert "Connection lost" in await page.value("document.getElementById('notice').textContent")
+        # The gate may do something else by now, and nothing of what is said is cut off on a small phone.
+        assert await page.value("document.getElementById('gate').textContent") == "\u2013"
+        for width in (320, 390):
+            await page.begin(width, 568, touch=True)
+            assert await page.value("document.documentElement.scrollWidth") == width
         wire.cut = False
         await page.until("document.body.dataset.link === 'open'")
         await asyncio.sleep(0.5)
@@ -62,11 +67,12 @@ def test_without_the_token_the_page_shows_nothing(browser: Browser) -> None:
     async def main() -> None:
         panel = FakePanel()
         async with panel.served() as url, aiohttp.ClientSession() as http:
-            for address in (f"{url}/", f"{url}/#token=wrong"):
+            for address, said in ((f"{url}/", "no token"), (f"{url}/#token=wrong", "wrong token")):
                 page = await browser.page(http)
                 await page.begin(**PHONE)
                 await page.open(address)
                 await page.until("document.getElementById('title').textContent === 'No access'")
+                assert await page.value("document.getElementById('link').textContent") == said
                 assert await page.value("document.getElementById('image').naturalWidth") == 0
 
     asyncio.run(main())

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <opencv2/aruco.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -19,6 +20,11 @@ namespace scene {
 using Eigen::Isometry3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+
+/// Whether every value of the tests is asked for: `./seater test --all` sets SEATER_EXTENSIVE.
+inline bool extensive() {
+  return std::getenv("SEATER_EXTENSIVE") != nullptr;
+}
 
 struct Print {
   int id;

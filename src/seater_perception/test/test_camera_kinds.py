@@ -183,7 +183,9 @@ def normalised_errors(markers: Scene, image: np.ndarray) -> list[float]:
     return values
 
 
-@pytest.mark.parametrize("kind", ["ideal", "aliased", "sharpened", "overexposed"])
+@pytest.mark.parametrize(
+    "kind", ["ideal", pytest.param("aliased", marks=pytest.mark.extensive), "sharpened", "overexposed"]
+)
 def test_covariance_says_what_the_camera_adds(kind: str) -> None:
     values = []
     for seed in range(6):

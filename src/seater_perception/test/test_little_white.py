@@ -121,7 +121,7 @@ KINDS = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("dictionary", ["DICT_4X4_50", "DICT_6X6_250"])
+@pytest.mark.parametrize("dictionary", ["DICT_4X4_50", pytest.param("DICT_6X6_250", marks=pytest.mark.extensive)])
 def test_is_found_where_it_is(kind: str, dictionary: str) -> None:
     white, around, tilt, sides, fewest, most = KINDS[kind]
     found, normalised = 0, []
@@ -137,7 +137,7 @@ def test_is_found_where_it_is(kind: str, dictionary: str) -> None:
 
 
 # With the same constant of the threshold everywhere, none is found.
-@pytest.mark.parametrize("dictionary", ["DICT_4X4_50", "DICT_6X6_250"])
+@pytest.mark.parametrize("dictionary", ["DICT_4X4_50", pytest.param("DICT_6X6_250", marks=pytest.mark.extensive)])
 def test_faint_prints_before_a_lighter_wall_are_found(dictionary: str) -> None:
     """The paper is dark beside the wall, as is the ink beside the paper, but by less."""
     found = []
@@ -158,7 +158,7 @@ def test_prints_half_in_a_shadow_are_found_beside_others() -> None:
 
 
 # Without the search for glare none is found; with it 9 and 11 of 12.
-@pytest.mark.parametrize("dictionary", ["DICT_4X4_50", "DICT_6X6_250"])
+@pytest.mark.parametrize("dictionary", ["DICT_4X4_50", pytest.param("DICT_6X6_250", marks=pytest.mark.extensive)])
 def test_prints_with_a_lamps_mirror_image_are_found(dictionary: str) -> None:
     """Where it lies on the border or has blinded the sensor, none is."""
     found = []

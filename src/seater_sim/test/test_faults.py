@@ -162,3 +162,12 @@ def test_a_shifted_or_zoomed_picture_and_a_camera_info_that_knows_nothing_of_it(
             assert (matrix[1, 1], matrix[0, 2], matrix[1, 2]) == pytest.approx(expected)
         assert fault.told(model) is model
     assert model.K[0, 2] == 320.0
+
+
+def test_without_a_master_the_command_says_what_to_start(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    failure = pytest.importorskip("seater_sim.ros.failure")
+    monkeypatch.setenv("ROS_MASTER_URI", "http://localhost:1")
+    assert failure.main(["failure", "camera", "frozen"]) == 1
+    assert "no ROS master answers at http://localhost:1: start sim.launch" in capsys.readouterr().err

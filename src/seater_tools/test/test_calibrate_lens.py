@@ -113,6 +113,7 @@ def test_a_board_sheet_by_the_command(tmp_path: Path) -> None:
     assert done.returncode == 0 and [p.name for p in tmp_path.iterdir()] == ["board_charuco_a3.pdf"]
 
 
+@pytest.mark.extensive  # standard deviations are compared with OpenCV always
 def test_debians_cameracalibrator_agrees() -> None:
     """On the same images of a chessboard, found and fitted by either."""
     calibrator = pytest.importorskip("camera_calibration.calibrator", reason="needs python3-camera-calibration")

@@ -33,10 +33,10 @@ NODE = "calibrate"
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a drive of 60 images and its camera."""
+    """A folder with a drive of 36 images and its camera."""
     folder = tmp_path_factory.mktemp("drive")
     drive = make_drive(Truth())
-    drive.chosen(np.arange(0, len(drive.stamps), 3)).save(folder / "drive.npz")
+    drive.chosen(np.arange(0, len(drive.stamps), 5)).save(folder / "drive.npz")
     camera = {
         "image_width": 1280,
         "image_height": 720,
@@ -182,6 +182,7 @@ def test_a_bag_is_read_by_its_topics(tmp_path: Path) -> None:
     assert done.returncode == 2 and "nothing like the two files explains this drive" in done.stderr
 
 
+@pytest.mark.extensive  # test_commissioning.py calibrates out of images always
 def test_from_rendered_images() -> None:
     """Images of seater_sim, read by seater_perception, which believes the files."""
     sp = pytest.importorskip("seater_perception")

@@ -49,7 +49,7 @@ def test_the_truth_is_as_far_off_as_asked_for() -> None:
 
 
 def test_an_installation_is_commissioned_and_docks(tmp_path: Path) -> None:
-    """A small version of what takes the campaign a minute and a half: images of 640 x 480 at 5 Hz, a short drive. What
+    """A small version of what takes the campaign a minute and a half: images of 640 x 480 at 3 Hz, a short drive. What
     identification and doctor make of an installation has tests of its own."""
     pytest.importorskip("seater_perception")
     pytest.importorskip("rosbag")
@@ -58,7 +58,7 @@ def test_an_installation_is_commissioned_and_docks(tmp_path: Path) -> None:
     hidden = draw_hidden(CONFIG, 2)
     K = np.array([[330.0, 0.0, 322.0], [0.0, 330.4, 238.0], [0.0, 0.0, 1.0]])
     lens = CameraModel(640, 480, "plumb_bob", np.array([-0.05, 0.02, 0.0005, 0.0, 0.0]), K, np.eye(3), np.zeros((3, 4)))
-    camera = dataclasses.replace(hidden.simulator.camera, rate=5.0)
+    camera = dataclasses.replace(hidden.simulator.camera, rate=3.0)
     hidden = dataclasses.replace(hidden, lens=lens, simulator=dataclasses.replace(hidden.simulator, camera=camera))
     commands = ("sheets", "lens", "mount", "teach")
     row = commission_at(hidden, Job(CONFIG, tmp_path, 2, 1, True), SHORT, commands)

@@ -59,7 +59,7 @@ def assert_clean(image: Image, entry: MarkerSheets) -> None:
     assert not wrong.any(), f"{wrong.sum()} pixels, the first at {np.argwhere(wrong)[0]}"
 
 
-@pytest.mark.parametrize("paper", PAPERS)
+@pytest.mark.parametrize("paper", ["a4", pytest.param("a3", marks=pytest.mark.extensive)])
 @pytest.mark.parametrize("path", DOCKS, ids=lambda path: path.stem)
 def test_the_detector_reads_every_sheet_of_the_shipped_docks(path: Path, paper: str) -> None:
     dock = dock_of(path)

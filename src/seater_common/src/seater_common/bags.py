@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from seater_common.params import why
 
+_BEGIN = b"#ROSBAG V"
 Failure = Callable[[str], Exception]  # of the caller's own kind, from a text
 
 
@@ -25,14 +26,30 @@ class Raw(NamedTuple):
 @contextmanager
 def open_bag(path: str | Path, failure: Failure) -> Iterator[BagFile]:
     """Raises what `failure` makes of a text: it cannot be read, now or later."""
+    with opened(path, failure) as bag:
+        try:
+            file = BagFile(path, bag, failure)
+        except Exception as error:  # in a damaged file rosbag stumbles over anything
+            raise _unreadable(path, error, failure) from error
+        yield file
+
+
+@contextmanager
+def opened(path: str | Path, failure: Failure) -> Iterator[Any]:
+    """The rosbag.Bag itself. Raises what `failure` makes of a text: it is no bag, or cannot be opened."""
     import rosbag
 
     try:
-        bag = rosbag.Bag(str(path))
-    except (OSError, rosbag.ROSBagException) as error:
+        with open(path, "rb") as file:
+            begin = file.read(len(_BEGIN))
+        is_one = _BEGIN.startswith(begin)  # or is cut off
+        bag = rosbag.Bag(str(path)) if is_one else None
+    except Exception as error:  # in a damaged file rosbag stumbles over anything
         raise _unreadable(path, error, failure) from error
+    if bag is None:
+        raise failure(f"cannot read the bag {path}: is no bag")
     with bag:
-        yield BagFile(path, bag, failure)
+        yield bag
 
 
 class BagFile:
@@ -69,13 +86,11 @@ class BagFile:
         return [self.topics[name.lstrip("/")] for name in names if name.lstrip("/") in self.topics]
 
     def _read(self, **options: Any) -> Iterator[Any]:
-        import rosbag
-
         messages = self._bag.read_messages(**options)
         while True:
             try:
                 message = next(messages, None)
-            except (OSError, rosbag.ROSBagException) as error:
+            except Exception as error:  # in a damaged file rosbag stumbles over anything
                 raise _unreadable(self._path, error, self._failure) from error
             if message is None:
                 return
@@ -83,6 +98,8 @@ class BagFile:
 
 
 def _unreadable(path: str | Path, error: Exception, failure: Failure) -> Exception:
+    if not isinstance(error, OSError) and type(error).__module__ != "rosbag.bag":
+        return failure(f"cannot read the bag {path}: it is damaged (rosbag reindex may mend it)")
     remedy = "" if isinstance(error, OSError) else " (rosbag reindex mends one that was cut off)"
     return failure(f"cannot read the bag {path}: {why(error)}{remedy}")
 

@@ -107,7 +107,9 @@ def as_mapping(instance: Any) -> dict[str, Any]:
 
 def _load_dataclass(cls: type, values: Any, prefix: str, problems: list[str]) -> Any:
     if not isinstance(values, Mapping):
-        problems.append(f"{prefix}: is {values!r}, must be a mapping with the keys of {cls.__name__}")
+        shown = "empty" if values is None else f"{values!r:.60}"
+        keys = ", ".join(sorted(f.name for f in dataclasses.fields(cls) if f.init))
+        problems.append(f"{prefix}: is {shown}, must be a mapping with the keys {keys}")
         return None
     hints = typing.get_type_hints(cls)
     fields = {f.name: f for f in dataclasses.fields(cls) if f.init}

@@ -25,7 +25,7 @@ def dock(chair: SlowChair, seconds: float = 16.0):
     return controller, np.array(poses)
 
 
-@pytest.mark.parametrize("offset", [False, True], ids=["jump", "offset"])
+@pytest.mark.parametrize("offset", [pytest.param(False, marks=pytest.mark.extensive), True], ids=["jump", "offset"])
 def test_a_slow_chair_with_deadbands_is_learned_and_docked(offset: bool) -> None:
     """Delay 0.25 s and lag 0.3 s where 0.15 s and 0.2 s are told, deadbands of 0.02 m/s and 0.05 rad/s."""
     chair = SlowChair((-2.5, 0.5, -0.3), 0.25, 0.3, AxisDrive(1.0, 0.02, offset), AxisDrive(1.0, 0.05, offset))
@@ -53,7 +53,7 @@ def test_what_is_right_stays(start) -> None:
     assert abs(history.drive.curvature) < 1e-3 and np.hypot(*poses[-1, :2]) < 0.003
 
 
-@pytest.mark.parametrize("gain", [0.4, seldom(0.7), 1.3])
+@pytest.mark.parametrize("gain", [seldom(0.4), 0.7, seldom(1.3)])
 def test_a_chair_whose_motors_make_less_or_more_of_each_command(gain: float) -> None:
     """A raised seat, a base that nobody calibrated: it docks on the same way, and a slow one is not asked for more than
     it can."""

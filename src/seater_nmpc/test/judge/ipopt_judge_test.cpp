@@ -249,14 +249,15 @@ const Suite& suite() {
 TEST(IpoptJudge, AgreesWithThePythonSolution) {
   ASSERT_EQ(suite().instances.size(), kInstances);
   Difference largest{0.0, 0.0};
-  for (std::size_t i = 0; i < kInstances; ++i) {
+  const std::size_t step = std::getenv("SEATER_EXTENSIVE") != nullptr ? 1 : 4;  // all with `./seater test --all`
+  for (std::size_t i = 0; i < kInstances; i += step) {
     SCOPED_TRACE("instance " + std::to_string(i));
     const Difference difference = judge(suite(), suite().instances[i]);
     EXPECT_LE(difference.cost, kAgreement);
     EXPECT_LE(difference.input, kAgreement);
     largest = {std::max(largest.cost, difference.cost), std::max(largest.input, difference.input)};
   }
-  std::cout << "largest difference over " << kInstances << " instances: cost " << largest.cost << ", input "
+  std::cout << "largest difference over " << kInstances / step << " instances: cost " << largest.cost << ", input "
             << largest.input << std::endl;
 }
 

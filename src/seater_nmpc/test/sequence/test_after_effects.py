@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from conftest import FINE
+from conftest import FINE, seldom
 
 from seater_nmpc.sequence.rest.after_effects import AfterEffects
 from seater_nmpc.sequence.rest.roll import Roll
@@ -106,7 +106,7 @@ def moves_until_docked(make_world, rate: float) -> tuple[int, float]:
     return world.phases.count("CORRECTING"), abs(float(world.truth[2]))
 
 
-@pytest.mark.parametrize(("rate", "most"), [(0.5, 2), (2.0, 6)])
+@pytest.mark.parametrize(("rate", "most"), [seldom(0.5, 2), (2.0, 6)])
 def test_a_push_that_undoes_the_turn_is_reckoned_with(make_world, rate: float, most: int) -> None:
     """Turn and push went to and fro until the moves were used up: ten from 2 rad/m on."""
     moves, heading = moves_until_docked(make_world, rate)

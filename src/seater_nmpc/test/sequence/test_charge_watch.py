@@ -7,8 +7,8 @@ from seater_nmpc.sequence.goal.results import Phase, ResultCode
 CLOSE = (-0.05, 0.0, 0.0)
 
 
-def start(make_world, watch: float = 5.0, **options):
-    world = make_world(CLOSE, require_contact=True, sequence={"charge_watch": watch}, **options)
+def start(make_world, watch: float = 5.0, sequence: dict | None = None, **options):
+    world = make_world(CLOSE, require_contact=True, sequence={"charge_watch": watch} | (sequence or {}), **options)
     world.tick()
     world.sequence.start_dock(world.now)
     return world
@@ -75,7 +75,7 @@ def test_a_contact_that_opens_at_the_very_end_is_no_success(make_world) -> None:
 
 
 def test_a_contact_that_never_stays_ends_the_goal(make_world) -> None:
-    world = start(make_world)
+    world = start(make_world, sequence={"max_retries": 1})
     world.contact = lambda w: closes(w) and w.sequence._goal.phase is not Phase.HOLDING
     assert world.run(120.0).result.code is ResultCode.FAILED_TO_CHARGE
 

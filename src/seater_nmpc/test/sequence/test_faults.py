@@ -206,7 +206,7 @@ def test_two_wrong_images_in_a_row_are_no_wheels_that_spin(make_world) -> None:
     assert world.sequence.observer.images.counts[Outcome.GATE] == len(off)
 
 
-@pytest.mark.parametrize("start", [(-2.5, 0.1, 0.0), (-1.2, 0.0, 0.0)])
+@pytest.mark.parametrize("start", [seldom((-2.5, 0.1, 0.0)), (-1.2, 0.0, 0.0)])
 def test_frozen_images_are_no_measurements(make_world, start) -> None:
     """The chair stops within the blind distance and says that the images do not change."""
     world, fault = driving(make_world, start, start[0] + 0.5)
@@ -319,7 +319,7 @@ def test_a_chair_that_stands_as_nothing_is_sent_is_not_blocked_and_one_that_is_a
     ends(world, ResultCode.BLOCKED, NOTICED + 0.45)  # what it is asked for may act so late
 
 
-@pytest.mark.parametrize("start", [(-2.5, 0.9, 0.0), seldom((-1.2, 0.0, 0.0))])
+@pytest.mark.parametrize("start", [seldom((-2.5, 0.9, 0.0)), (-1.2, 0.0, 0.0)])
 def test_a_chair_that_the_gate_holds_is_not_blocked_and_goes_on(make_world, start) -> None:
     """Somebody passes: ten seconds are longer than any patience with a chair that does not obey."""
     world = make_world(start)
@@ -342,7 +342,7 @@ def shifted(way: tuple[float, float, float]):
     return lambda world, found: [replace(seen, T_optical_dock=seen.T_optical_dock @ T) for seen in found]
 
 
-@pytest.mark.parametrize("way", [(0.0, 0.3, 0.0), (0.4, 0.0, 0.0), (0.0, -0.2, 0.0)])
+@pytest.mark.parametrize("way", [(0.0, 0.3, 0.0), (0.4, 0.0, 0.0), seldom((0.0, -0.2, 0.0))])
 def test_a_dock_that_images_agree_to_show_elsewhere(make_world, way) -> None:
     """It never replaces the one that the chair drives to: stop, wait, INCONSISTENT."""
     world, _ = driving(make_world)
@@ -377,7 +377,7 @@ def refocused_in_the_bay(make_world, share: float, **settings) -> Result:
     return result
 
 
-@pytest.mark.parametrize(("share", "where"), [(0.1, "96 mm and 0.1 deg farther away"), (-0.1, "nearer")])
+@pytest.mark.parametrize(("share", "where"), [(0.1, "96 mm and 0.1 deg farther away"), seldom(-0.1, "nearer")])
 def test_a_focal_length_that_changes_in_the_bay_is_no_success(make_world, share, where) -> None:
     """It docked 40 to 50 mm off and said SUCCESS, or FAILED_TO_CHARGE without the cause."""
     result = refocused_in_the_bay(make_world, share)

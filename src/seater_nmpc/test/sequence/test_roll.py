@@ -179,7 +179,7 @@ def test_another_way_in_allows_for_the_mean_of_the_stops_of_a_chair_that_rolls()
     assert stops.next_off is None
 
 
-@pytest.mark.parametrize(("speed", "turns"), [(-0.012, False), (0.0, True)])
+@pytest.mark.parametrize(("speed", "turns"), [(-0.012, False), seldom(0.0, True)])
 def test_a_chair_that_rolls_is_not_turned_out_of_the_tolerance_in_its_last_attempt(make_world, speed, turns) -> None:
     """Heading 0.9 deg off, of 1.0: a turn on the spot rolled it 5 cm, and the pushes back turned it again."""
     slope = Slope(speed, 0.0)

@@ -12,6 +12,7 @@ from seater_base.deflection.table import AxisTable
 from seater_common.params import why
 
 AXES = ("drive", "turn")
+_COLUMNS = ("axis", "volts", "speed")
 _STILL = {"drive": 0.01, "turn": 0.02}  # [m/s], [rad/s] up to which it stands: some counts of an encoder
 _SPREAD = 0.15  # of the speeds of one voltage, of the fastest of all: else it is something else that moves the chair
 _SAME = 5e-3  # [V] apart: one level
@@ -25,18 +26,26 @@ Pair = tuple[str, float, float]  # axis, [V], [m/s] or [rad/s]
 
 
 def read_pairs(path: Path) -> list[Pair]:
-    """Of a CSV file with the columns axis, volts, speed. Raises FitError, naming file and line."""
+    """Of a CSV file with the columns axis, volts, speed; with semicolons and decimal commas as well, as spreadsheets
+    write it in many countries. Raises FitError, naming file and line."""
     try:
-        with path.open(newline="") as file:
-            rows = list(csv.DictReader(file))
+        lines = path.read_text(encoding="utf-8-sig").splitlines()  # some programs put a byte order mark in front
+        head = lines[0] if lines else ""
+        delimiter = ";" if ";" in head else ","
+        rows = list(csv.DictReader(lines, delimiter=delimiter, skipinitialspace=True))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise FitError(f"cannot read {path}: {why(error)}") from error
+    if not set(_COLUMNS) <= set(rows[0] if rows else _COLUMNS):
+        raise FitError(f"{path}, line 1: must be {','.join(_COLUMNS)}, is {head!r:.60}")
     pairs: list[Pair] = []
     for number, row in enumerate(rows, start=2):
+        axis, *texts = (str(row[name]) for name in _COLUMNS)
+        if delimiter == ";":
+            texts = [text.replace(",", ".") for text in texts]
         try:
-            axis, volts, speed = str(row["axis"]), float(row["volts"]), float(row["speed"])
-        except (KeyError, TypeError, ValueError) as error:
-            raise FitError(f"{path}, line {number}: must be axis,volts,speed ({error!r})") from error
+            volts, speed = map(float, texts)
+        except ValueError as error:
+            raise FitError(f"{path}, line {number}: volts and speed must be numbers ({error})") from error
         if axis not in AXES or not (abs(volts) < 1e3 and abs(speed) < 1e3):  # not a number fails, too
             raise FitError(f"{path}, line {number}: axis is drive or turn, the other two are numbers")
         pairs.append((axis, volts, speed))

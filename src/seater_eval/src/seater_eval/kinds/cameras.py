@@ -82,8 +82,17 @@ KINDS = {
 def photograph(prints: list[Print], kind: str, shift: float, random: np.random.Generator) -> Image:
     """What a camera of this kind, OPTICS in front of it, delivers of these prints; parts of it shifted by `shift` px
     (standard deviation along each axis)."""
+    return delivered(behind_lens(prints, KINDS[kind].blur), kind, shift, random)
+
+
+def behind_lens(prints: list[Print], blur: float | None) -> Grey:
+    """What all kinds of this `blur` have of these prints, before shifts and noise."""
+    return _one_ray_a_pixel(prints) if blur is None else clean_image(prints, replace(OPTICS, blur_sd=blur))
+
+
+def delivered(grey: Grey, kind: str, shift: float, random: np.random.Generator) -> Image:
+    """`grey`: of behind_lens with the kind's blur."""
     made = KINDS[kind]
-    grey = _one_ray_a_pixel(prints) if made.blur is None else clean_image(prints, replace(OPTICS, blur_sd=made.blur))
     if shift > 0.0:
         grey = _shifted(grey, shift, random)
     return made.file(grey + np.float32(made.noise) * random.standard_normal(grey.shape, dtype=np.float32))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -11,14 +12,17 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from seater_eval.kinds.cameras import KINDS, OPTICS, photograph
+from seater_eval.kinds.cameras import KINDS, OPTICS, Grey, behind_lens, delivered, photograph
 from seater_eval.peers.process import peers_for
+from seater_eval.perception import subject
 from seater_eval.perception.images.render import Print, corners_of
-from seater_eval.perception.images.scenes import normal_error, normalised_error_squared, pose_error
-from seater_eval.photographs.detectors import OPENCV, SEATER, make_detector
-from seater_eval.photographs.measures import CERTAIN, WRONG_BRANCH, match
+from seater_eval.perception.images.scenes import normalised_error_squared, pose_error
+from seater_eval.photographs.branches import branch_of, count_broken
+from seater_eval.photographs.detectors import CORNERS, OPENCV, SEATER, Image, make_detector
+from seater_eval.photographs.measures import match
 from seater_eval.photographs.truth import KnownMarker, Photograph, PhotographFolder
-from seater_eval.run.parallel import job_seed, run_jobs
+from seater_eval.run.long_run import run_long
+from seater_eval.run.parallel import job_seed
 
 Array = NDArray[np.float64]
 
@@ -45,18 +49,30 @@ class KindJob:
 
 
 @dataclass(frozen=True)
+class SceneJob:
+    """One scene as each kind of camera delivers it, with each shift, for ours alone."""
+
+    dictionary: str
+    side: float
+    seed: int
+    parameters: dict[str, Any]
+
+
+@dataclass(frozen=True)
 class Look:
     """What came of one image: markers found and false finds by each detector; of ours, normalised squared errors of the
-    poses (6 degrees of freedom), how many were called certain, and how many of these have the wrong branch."""
+    poses (6 degrees of freedom), how many were called certain, how many of these have the wrong branch, and what became
+    of those that corners alone decide (count_broken)."""
 
     found: dict[str, int]
     false: dict[str, int]
     errors: list[float]
     certain: int
     wrong: int
+    branches: dict[str, int] = field(default_factory=dict)
 
 
-def scene(job: KindJob) -> tuple[list[Print], np.random.Generator]:
+def scene(job: KindJob | SceneJob) -> tuple[list[Print], np.random.Generator]:
     """Twelve prints, and the generator for the image."""
     random = np.random.default_rng(job.seed)
     ids = random.choice(50, len(COLUMNS) * len(ROWS), replace=False)
@@ -84,32 +100,50 @@ def _pose(u: float, v: float, side: float, random: np.random.Generator) -> Array
     return T
 
 
-def look(job: KindJob) -> Look:
-    """One image, drawn and looked at."""
+def look(job: KindJob | SceneJob) -> list[Look]:
+    """Drawn and looked at: one image, or those of a scene, kind by kind and shift by shift."""
     prints, random = scene(job)
-    image = photograph(prints, job.kind, job.shift, random)
+    if isinstance(job, KindJob):
+        image = photograph(prints, job.kind, job.shift, random)
+        return [_look_at(job, prints, image, (OPENCV, *peers_for(job.dictionary, job.peers)), job.peers)]
+    clean: dict[float | None, Grey] = {}  # drawing takes ten times longer than all that comes after it
+    looks = []
+    for name, kind in KINDS.items():
+        if kind.blur not in clean:
+            clean[kind.blur] = behind_lens(prints, kind.blur)
+        for shift in SHIFTS:
+            looks.append(_look_at(job, prints, delivered(clean[kind.blur], name, shift, random), ()))
+    return looks
+
+
+def _look_at(
+    job: KindJob | SceneJob, prints: list[Print], image: Image, others: Sequence[str], peers: Path | None = None
+) -> Look:
+    """Ours and `others`."""
     known, folder = _known(job, prints)
     finds = {
-        name: match(known, make_detector(name, folder, known, job.parameters, job.peers)(image).found)
-        for name in (SEATER, OPENCV, *peers_for(job.dictionary, job.peers))
+        name: match(known, make_detector(name, folder, known, job.parameters, peers)(image).found)
+        for name in (SEATER, CORNERS, *others)
     }
-    poses, errors, certain, wrong = {p.id: p.pose for p in prints}, [], 0, 0
+    poses, errors = {p.id: p.pose for p in prints}, []
+    by_corners, shipped = (
+        {f.id: branch_of(f, poses[f.id]) for f in finds[name].found.values()} for name in (CORNERS, SEATER)
+    )
     for f in finds[SEATER].found.values():
         assert f.pose is not None and f.covariance is not None  # ours have both
         errors.append(normalised_error_squared(pose_error(f.pose, poses[f.id]), f.covariance))
-        if f.ambiguity < CERTAIN:
-            certain += 1
-            wrong += normal_error(f.pose, poses[f.id]) > WRONG_BRANCH
+    del finds[CORNERS]  # no detector of its own: its finds are those of ours
     return Look(
         found={name: len(matched.found) for name, matched in finds.items()},
         false={name: len(matched.false) for name, matched in finds.items()},
         errors=errors,
-        certain=certain,
-        wrong=wrong,
+        certain=sum(b.certain for b in shipped.values()),
+        wrong=sum(b.wrong_and_certain for b in shipped.values()),
+        branches=count_broken(by_corners, shipped),
     )
 
 
-def _known(job: KindJob, prints: list[Print]) -> tuple[Photograph, PhotographFolder]:
+def _known(job: KindJob | SceneJob, prints: list[Print]) -> tuple[Photograph, PhotographFolder]:
     """The image as one of a folder of photographs, whose markers are known."""
     markers = []
     for p in prints:
@@ -118,39 +152,50 @@ def _known(job: KindJob, prints: list[Print]) -> tuple[Photograph, PhotographFol
         markers.append(KnownMarker(id=p.id, center=corners.mean(axis=0), side=side))
     width, height = OPTICS.image_width, OPTICS.image_height
     known = Photograph(
-        path=Path(job.kind), width=width, height=height, K=OPTICS.K, D=np.zeros(5), markers=tuple(markers)
+        path=Path(job.dictionary), width=width, height=height, K=OPTICS.K, D=np.zeros(5), markers=tuple(markers)
     )
-    return known, PhotographFolder(name=job.kind, dictionary=job.dictionary, photographs=(known,))
+    return known, PhotographFolder(name=job.dictionary, dictionary=job.dictionary, photographs=(known,))
 
 
 def run_kinds(
-    parameters: dict[str, Any], images: int, seed: int, peers: Path | None = None, workers: int | None = None
+    parameters: dict[str, Any],
+    images: int,
+    seed: int,
+    peers: Path | None = None,
+    workers: int | None = None,
+    *,
+    ours_only: bool = False,
+    partial: Path | None = None,
 ) -> dict[str, Any]:
-    """Rows by kind and shift; `images`: of each kind, shift, dictionary and side. Raises ParameterError, PeerError."""
-    jobs = [
-        KindJob(kind, shift, dictionary, side, 0, parameters, peers)
-        for kind in KINDS
-        for shift in SHIFTS
-        for dictionary in DICTIONARIES
-        for side in SIDES
-        for _ in range(images)
-    ]
-    jobs = [KindJob(**{**vars(job), "seed": job_seed(seed, k)}) for k, job in enumerate(jobs)]
+    """Rows by kind and shift; `images`: of each kind, shift, dictionary and side. `ours_only`: nobody beside ours, and
+    all kinds and shifts have the same scenes, which takes a tenth of the time; `partial`: see run_long. Raises
+    ParameterError, PeerError."""
+    cells = [(kind, shift) for kind in KINDS for shift in SHIFTS]
+    sizes = [(dictionary, side) for dictionary in DICTIONARIES for side in SIDES for _ in range(images)]
+    jobs: list[KindJob | SceneJob]
+    if ours_only:
+        jobs = [SceneJob(*size, job_seed(seed, k), parameters) for k, size in enumerate(sizes)]
+    else:
+        images_of = [(*cell, *size) for cell in cells for size in sizes]
+        jobs = [KindJob(*image, job_seed(seed, k), parameters, peers) for k, image in enumerate(images_of)]
     known, folder = _known(jobs[0], scene(jobs[0])[0])
     make_detector(SEATER, folder, known, parameters)  # wrong parameters: now
-    looks = run_jobs(look, jobs, label="perception_kinds", workers=workers)
-    cells: dict[tuple[str, float], list[tuple[KindJob, Look]]] = {}
-    for job, seen in zip(jobs, looks, strict=True):
-        cells.setdefault((job.kind, job.shift), []).append((job, seen))
-    return {"images": images, "seed": seed, "rows": [_row(*key, seen) for key, seen in cells.items()]}
+    files = subject.library_files()
+    seen = run_long(look, jobs, label="perception_kinds", files=files, partial=partial, workers=workers)
+    if not ours_only:
+        seen = [[looks[0] for looks in seen[k : k + len(sizes)]] for k in range(0, len(seen), len(sizes))]
+    else:
+        seen = [list(looks) for looks in zip(*seen, strict=True)]
+    rows = [_row(*cell, looks) for cell, looks in zip(cells, seen, strict=True)]
+    return {"images": images, "seed": seed, "ours_only": ours_only, "rows": rows}
 
 
-def _row(kind: str, shift: float, seen: list[tuple[KindJob, Look]]) -> dict[str, Any]:
-    errors = np.concatenate([one.errors for _, one in seen])
-    names = list(dict.fromkeys(name for _, one in seen for name in one.found))
+def _row(kind: str, shift: float, seen: list[Look]) -> dict[str, Any]:
+    errors = np.concatenate([one.errors for one in seen])
+    names = list(dict.fromkeys(name for one in seen for name in one.found))
     by_detector = {}
     for name in names:  # a peer that does not know a dictionary is compared on the others
-        mine = [one for _, one in seen if name in one.found]
+        mine = [one for one in seen if name in one.found]
         by_detector[name] = {
             "markers": len(mine) * len(COLUMNS) * len(ROWS),
             "found": sum(one.found[name] for one in mine),
@@ -162,6 +207,7 @@ def _row(kind: str, shift: float, seen: list[tuple[KindJob, Look]]) -> dict[str,
         "shift_px": shift,
         "detectors": by_detector,
         "normalised_error_squared": float(errors.mean()) if len(errors) else None,
-        "certain": sum(one.certain for _, one in seen),
-        "wrong_and_certain": sum(one.wrong for _, one in seen),
+        "certain": sum(one.certain for one in seen),
+        "wrong_and_certain": sum(one.wrong for one in seen),
+        "branches": {key: sum(one.branches[key] for one in seen) for key in seen[0].branches},
     }

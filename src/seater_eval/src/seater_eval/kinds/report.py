@@ -8,8 +8,10 @@ from typing import Any
 from seater_eval.kinds.cameras import KINDS, photograph
 from seater_eval.kinds.evaluate import DICTIONARIES, KindJob, scene
 from seater_eval.photographs.detectors import SEATER
+from seater_eval.photographs.report import broken_bar, describe_branches
 from seater_eval.report.bars import AT_LEAST, Bar
 from seater_eval.report.evaluation_style import figure, save
+from seater_eval.report.statistics import largest_share
 from seater_eval.report.tables import text_table
 
 FREEDOM = 6.0  # degrees of a pose
@@ -33,12 +35,15 @@ def kind_bars(data: dict[str, Any]) -> list[Bar]:
         for name in mine[0]["detectors"]:
             if name != SEATER:
                 behind[f"{kind}, {name}"] = _share(mine, name) - _share(mine, name, "found_by_seater")
-    worst = max(behind, key=lambda key: behind[key])
     fewer = _share(sharp["ideal"], SEATER) - _share(sharp["over-exposed"], SEATER)
     nees = [r["normalised_error_squared"] / FREEDOM for r in rows if r["normalised_error_squared"] is not None]
     certain = sum(row["certain"] for row in rows)
+    bars = []
+    if not data["ours_only"]:
+        worst = max(behind, key=lambda key: behind[key])
+        bars.append(Bar("found, fewer than by another detector, worst kind", behind[worst], 0.0, note=worst))
     return [
-        Bar("found, fewer than by another detector, worst kind", behind[worst], 0.0, note=worst),
+        *bars,
         Bar("found, over-exposed fewer than ideal", fewer, OVEREXPOSED),
         Bar("false finds", float(sum(row["detectors"][SEATER]["false"] for row in rows)), 0.0),
         Bar("mean normalised error squared / 6, largest cell", max(nees, default=None), HONEST[1]),
@@ -49,11 +54,12 @@ def kind_bars(data: dict[str, Any]) -> list[Bar]:
             certain / WRONG,
             note=f"of {certain} certain ones",
         ),
+        broken_bar([row["branches"] for row in rows]),
     ]
 
 
 def describe_kinds(data: dict[str, Any]) -> str:
-    """Found and normalised errors of each kind."""
+    """Found and normalised errors of each kind, and branches of all."""
     shifts = sorted({row["shift_px"] for row in data["rows"]})
     names = list(dict.fromkeys(name for row in data["rows"] for name in row["detectors"]))
     lines = []
@@ -64,7 +70,11 @@ def describe_kinds(data: dict[str, Any]) -> str:
         lines.append([kind, *found, *("-" if e is None else f"{e / FREEDOM:.2f}" for e in errors)])
     head = ["kind", *(f"{name}, %" for name in names), *(f"NEES / 6, {shift:g} px" for shift in shifts)]
     counted = data["rows"][0]["detectors"][SEATER]["markers"]
-    return f"{text_table(head, lines)}\n\n  {counted} markers of 18 to 60 px a cell; found: without shifts"
+    table = f"{text_table(head, lines)}\n\n  {counted} markers of 18 to 60 px a cell; found: without shifts"
+    certain, wrong = (sum(row[key] for row in data["rows"]) for key in ("certain", "wrong_and_certain"))
+    share = f"more than 1 in {1.0 / largest_share(wrong, certain):.0f} is refuted (exact binomial, 95 %)"
+    branches = describe_branches([row["branches"] for row in data["rows"]])
+    return f"{table}\n  {wrong} of {certain} branches called certain are wrong: {share}\n{branches}"
 
 
 def draw_kinds(data: dict[str, Any], path: Path) -> Path:

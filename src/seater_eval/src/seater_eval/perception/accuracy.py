@@ -17,7 +17,7 @@ from seater_eval.report.bars import Bar
 from seater_eval.run.long_run import run_long
 
 METHODS = ("seater", "opencv_none", "opencv_default", "opencv_scaled", "opencv_apriltag", "pupil_apriltags")
-QUICK_METHODS = ("seater", "opencv_default")
+COMPARED = ("seater", "opencv_default")  # what the bars compare
 SIZES = (0.05, 0.10, 0.15)
 DISTANCES = {
     0.05: (0.2, 0.35, 0.6, 1.0, 1.4),
@@ -41,10 +41,11 @@ FOUND = 0.9  # fraction of the images that have to be found before their errors 
 
 
 def run_accuracy(
-    config: str | Path, quick: bool, partial: Path | None = None, peers: Path | None = None
+    config: str | Path, quick: bool, partial: Path | None = None, peers: Path | None = None, bars_only: bool = False
 ) -> dict[str, Any]:
     """All cells, the wrong-branch frames, the published images. `partial`: see run_long; `peers`: what
-    tools/make_peers.sh made, for the cells. Raises ParameterError, PeerError."""
+    tools/make_peers.sh made, for the cells; `bars_only`: in the cells no other methods than the bars compare, on the
+    same images. Raises ParameterError, PeerError."""
     config = str(config)
     camera = load_degraded_camera(Path(config) / "cameras" / "degraded.yaml")
     subject.make_detector(camera, 0.1, subject.perception_parameters(config), prior=True)  # wrong parameters: now
@@ -52,7 +53,8 @@ def run_accuracy(
         wanted = [(size, z, math.radians(angle)) for size, z, angle in QUICK_CELLS]
     else:
         wanted = [(size, z, angle) for size in SIZES for z in DISTANCES[size] for angle in ANGLES]
-    methods, images, slow, frames = (QUICK_METHODS, 24, 0, 60) if quick else (METHODS, 48, 12, 3000)
+    methods = COMPARED if quick or bars_only else METHODS
+    images, slow, frames = (24, 0, 60) if quick else (48, 12, 3000)
     methods = (*methods, *peers_for(subject.DICTIONARY, peers))
     jobs = [CellJob(config, *cell, images, slow, methods, i, peers) for i, cell in enumerate(wanted)]
     jobs.sort(key=lambda job: job.distance / job.size)  # the longest first, so that no core waits at the end

@@ -11,8 +11,11 @@ import numpy as np
 from seater_eval.peers import catalogue
 from seater_eval.perception.accuracy import _median
 from seater_eval.perception.peers import LABELS
+from seater_eval.report.bars import Bar
 from seater_eval.report.evaluation_style import figure, save
 from seater_eval.report.tables import text_table
+
+WORSE = 1.10  # times an earlier version's median position error: no cell may be beyond it
 
 COLOURS = {
     "seater": "#2e9e4f",
@@ -54,6 +57,39 @@ def describe_accuracy(data: dict[str, Any]) -> str:
     ]
     title = f"\n  Published images, {data['published']['tags']} tags"
     return text + title + " (common poses: of the package's corners in all three images):\n" + "\n".join(lines)
+
+
+def beside_before(data: dict[str, Any], before: dict[str, Any]) -> list[dict[str, Any]]:
+    """Cells of both results of this command: found and median position error [mm], now and `before`. The same seeds
+    draw the same images in both."""
+
+    def by_place(results: dict[str, Any]) -> dict[tuple[float, float, float], dict[str, Any]]:
+        return {(c["size"], c["distance"], round(c["angle_deg"], 3)): c["methods"]["seater"] for c in results["cells"]}
+
+    now, earlier = by_place(data), by_place(before)
+    return [
+        {
+            "cell": f"{1e3 * place[0]:.0f} mm {place[1]:.2f} m {place[2]:.0f} deg",
+            "found": now[place]["found"],
+            "found_before": earlier[place]["found"],
+            "median_mm": now[place]["position_mm"]["median"],
+            "median_mm_before": earlier[place]["position_mm"]["median"],
+        }
+        for place in now
+        if place in earlier
+    ]
+
+
+def before_bars(rows: list[dict[str, Any]]) -> list[Bar]:
+    """Of beside_before: no cell is worse by more than a tenth, none has fewer found."""
+    pairs = [(row["median_mm"], row["median_mm_before"], row["cell"]) for row in rows]
+    ratios = [(now / earlier, cell) for now, earlier, cell in pairs if now is not None and earlier is not None]
+    worst, where = max(ratios, default=(None, "no cell is in both"))
+    fewer = sum(max(0, row["found_before"] - row["found"]) for row in rows)
+    return [
+        Bar("median position error / before, worst cell", worst, WORSE, note=f"{where}; {len(ratios)} cells"),
+        Bar("markers found fewer than before, all cells", float(fewer) if rows else None, 0.0),
+    ]
 
 
 def _short(value: float | None) -> str:

@@ -29,9 +29,14 @@ def draw_contact_sheet(
                 continue
             image = read_image(photograph)
             name = f"{folder.name[:8]}/{photograph.path.stem}"
-            tiles += [_tile(image, marker, f"{name} {marker.id}", MISSED) for marker in s.matched.missed]
-            tiles += [_tile(image, _place(found), f"{name} {found.id}", FALSE) for found in s.matched.false]
-    tiles = tiles[:MOST] or [np.full((TILE, TILE, 3), 255, np.uint8)]
+            tiles += [tile(image, marker, f"{name} {marker.id}", MISSED) for marker in s.matched.missed]
+            tiles += [tile(image, place_of_find(found), f"{name} {found.id}", FALSE) for found in s.matched.false]
+    return write_sheet(tiles, path)
+
+
+def write_sheet(tiles: Sequence[Image], path: Path) -> Path:
+    """`MOST` tiles at most, a white one when there are none."""
+    tiles = list(tiles[:MOST]) or [np.full((TILE, TILE, 3), 255, np.uint8)]
     tiles += [np.full_like(tiles[0], 255)] * (-len(tiles) % COLUMNS)
     rows = [np.hstack(tiles[k : k + COLUMNS]) for k in range(0, len(tiles), COLUMNS)]
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -39,12 +44,13 @@ def draw_contact_sheet(
     return path
 
 
-def _place(found: Found) -> KnownMarker:
+def place_of_find(found: Found) -> KnownMarker:
+    """As if the find were there."""
     side = float(np.linalg.norm(found.corners - np.roll(found.corners, 1, axis=0), axis=1).mean())
     return KnownMarker(id=found.id, center=found.corners.mean(axis=0), side=side)
 
 
-def _tile(image: Image, marker: KnownMarker, text: str, colour: tuple[int, int, int]) -> Image:
+def tile(image: Image, marker: KnownMarker, text: str, colour: tuple[int, int, int]) -> Image:
     """The marker with half its side round it, enlarged to TILE."""
     half = max(8.0, marker.side)
     scale = (TILE - 14) / (2.0 * half)

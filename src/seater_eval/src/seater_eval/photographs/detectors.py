@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 Image = NDArray[np.uint8]
 # Debian's OpenCV with its default corners, as it is used; without refinement and poses, as the measure of time.
 SEATER, OPENCV, PLAIN = "seater", "opencv_default", "opencv_none"
+CORNERS = "seater_corners"  # ours, with poses of the corners alone
 SQUARE_3D = np.array([[-0.5, 0.5, 0.0], [0.5, 0.5, 0.0], [0.5, -0.5, 0.0], [-0.5, -0.5, 0.0]])  # in marker sides
 
 
@@ -57,10 +58,12 @@ def make_detector(
     parameters: dict[str, Any] | None,
     peers: Path | None = None,
 ) -> Detector:
-    """`parameters`: config/perception.yaml as a mapping, for SEATER; `peers`: what tools/make_peers.sh made, for the
+    """`parameters`: config/perception.yaml as a mapping, for ours; `peers`: what tools/make_peers.sh made, for the
     names of seater_eval.peers. Raises ParameterError, PeerError."""
     if name == SEATER:
         return _timed(_seater(folder, photograph, parameters))
+    if name == CORNERS:
+        return _timed(_seater(folder, photograph, {**(parameters or {}), "refinement": "corners_visp"}))
     if name in (OPENCV, PLAIN):
         return _timed(_opencv(folder, photograph, name == OPENCV))
     assert peers is not None

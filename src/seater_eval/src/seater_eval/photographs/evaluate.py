@@ -11,7 +11,7 @@ import numpy as np
 
 from seater_common.params import ParameterError, read_yaml
 from seater_eval.peers.process import peers_for
-from seater_eval.photographs.detectors import OPENCV, PLAIN, SEATER, Image, make_detector
+from seater_eval.photographs.detectors import CORNERS, OPENCV, PLAIN, SEATER, Image, make_detector
 from seater_eval.photographs.measures import match
 from seater_eval.photographs.rows import Seen, folder_rows
 from seater_eval.photographs.truth import Photograph, PhotographFolder, load_folders
@@ -19,7 +19,7 @@ from seater_eval.photographs.unlisted import with_unlisted
 from seater_eval.run.parallel import run_jobs
 
 QUICK_STEP = 5  # every fifth photograph
-DETECTORS = (SEATER, OPENCV, PLAIN)
+DETECTORS = (SEATER, CORNERS, OPENCV, PLAIN)
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from seater_eval.perception.images.scenes import normal_error, normalised_error_squared, pose_error
 from seater_eval.photographs.board import SQUARE, Board, MarkerTruth, leave_one_out
+from seater_eval.photographs.branches import CERTAIN, WRONG_BRANCH, Branch
 from seater_eval.photographs.detectors import Found
 from seater_eval.photographs.truth import KnownMarker, Photograph
 
 Array = NDArray[np.float64]
 SAME_PLACE = 0.35  # [sides] of a find from the known centre; neighbours on a board are a whole side away
-WRONG_BRANCH = math.radians(15.0)
-CERTAIN = 0.05  # ambiguity below which a detector has called its branch decided
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,8 +59,12 @@ class MarkerErrors:
     stage: str
 
     @property
+    def branch(self) -> Branch:
+        return Branch(right=self.normal <= WRONG_BRANCH, certain=self.certain)
+
+    @property
     def wrong_and_certain(self) -> bool:
-        return self.certain and self.normal > WRONG_BRANCH
+        return self.branch.wrong_and_certain
 
 
 def errors_on_board(board: Board, photograph: Photograph, found: dict[int, Found]) -> list[MarkerErrors]:

@@ -50,7 +50,15 @@ def photograph_bars(data: dict[str, Any]) -> list[Bar]:
     bars += [time_bar(data, row) for row in ours]
     certain = sum(row["certain"] for row in boards)
     wrong = float(sum(row["wrong_and_certain"] for row in boards)) if boards else None
-    return [*bars, Bar("wrong branch called certain", wrong, certain / 5000.0, note=f"of {certain} certain ones")]
+    bars.append(Bar("wrong branch called certain", wrong, certain / 5000.0, note=f"of {certain} certain ones"))
+    return [*bars, broken_bar([row["branches"] for row in boards if "branches" in row])]
+
+
+def broken_bar(counts: list[dict[str, int]]) -> Bar:
+    """Of `counts` by count_broken; nothing that corners have decided shows nothing."""
+    decided, broken, open_ = (sum(c[key] for c in counts) for key in ("corners_decided", "broken", "open"))
+    note = f"of {decided} that corners had right with certainty; {open_} more are open, the other pose first"
+    return Bar("branches that the photometric stage breaks", float(broken) if decided else None, 0.0, note=note)
 
 
 def board_bars(row: dict[str, Any]) -> list[Bar]:
@@ -108,7 +116,18 @@ def describe_photographs(data: dict[str, Any]) -> str:
         found, markers = (sum(r[key] for r in own) for key in ("found", "markers"))
         counts = [str(sum(r[key] for r in own)) for key in ("false", "unlisted")]
         rows.append(["all", detector, f"{found}/{markers} {_share(found, markers)}", *counts])
-    return text_table(head, [row + [""] * (len(head) - len(row)) for row in rows], "ll" + "r" * 10 + "l")
+    table = text_table(head, [row + [""] * (len(head) - len(row)) for row in rows], "ll" + "r" * 10 + "l")
+    return f"{table}\n\n{describe_branches([row['branches'] for row in data['rows'] if 'branches' in row])}"
+
+
+def describe_branches(counts: list[dict[str, int]]) -> str:
+    """One line, of `counts` by count_broken."""
+    keys = ("corners_decided", "broken", "open", "corners_wrong", "mended")
+    decided, broken, open_, wrong, mended = (sum(c[key] for c in counts) for key in keys)
+    return (
+        f"  corners alone call {decided} branches certain rightly: poses as shipped break {broken}, leave {open_} open"
+        f" with the other pose first\n  and {wrong} wrongly: poses as shipped mend {mended}"
+    )
 
 
 def _line(row: dict[str, Any]) -> list[str]:

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from seater_eval.photographs.board import board_of
-from seater_eval.photographs.detectors import SEATER
+from seater_eval.photographs.branches import count_broken
+from seater_eval.photographs.detectors import CORNERS, SEATER
 from seater_eval.photographs.measures import MarkerErrors, Matched, errors_on_board
 from seater_eval.photographs.truth import Photograph, PhotographFolder
 from seater_eval.report.statistics import spread
@@ -35,6 +36,8 @@ def folder_rows(
         rows.append(row)
     for row in rows:
         row["shared"] = shared_with(errors[row["detector"]], errors[SEATER])
+        if row["detector"] == SEATER and CORNERS in errors:
+            row["branches"] = broken_by(errors[SEATER], errors[CORNERS])
     return rows
 
 
@@ -47,6 +50,11 @@ def shared_with(theirs: Errors, ours: Errors) -> dict[str, Any]:
         "theirs": spread(c for key in both for c in theirs[key].corners),
         "ours": spread(c for key in both for c in ours[key].corners),
     }
+
+
+def broken_by(ours: Errors, by_corners: Errors) -> dict[str, int]:
+    """Branches that the corners had decided, against those of `ours`; the board's homography is the truth of both."""
+    return count_broken({key: e.branch for key, e in by_corners.items()}, {key: e.branch for key, e in ours.items()})
 
 
 def row_of(

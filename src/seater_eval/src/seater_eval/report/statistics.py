@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
+from scipy.stats import beta
 
 LEVELS = {"median": 0.5, "p95": 0.95, "p99": 0.99, "max": 1.0}
 
@@ -16,3 +17,11 @@ def spread(values: Iterable[float | None]) -> dict[str, float | None]:
     if not numbers:
         return dict.fromkeys(LEVELS)
     return dict(zip(LEVELS, np.quantile(numbers, list(LEVELS.values())).tolist(), strict=True))
+
+
+def largest_share(count: int, of: int, confidence: float = 0.95) -> float:
+    """Largest share that `count` of `of` does not refute: the exact one-sided binomial limit (Clopper and Pearson, "The
+    use of confidence or fiducial limits", 1934). 1 when nothing was tried."""
+    if count >= of:
+        return 1.0
+    return float(beta.ppf(confidence, count + 1, of - count))

@@ -10,6 +10,8 @@ from types import TracebackType
 
 from aiohttp import web
 
+from seater_common.params import why
+
 STARTS_WITHIN = 10.0  # [s]
 
 
@@ -26,8 +28,13 @@ def encryption(certificate: Path, key: Path) -> ssl.SSLContext:
     context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
     try:
         context.load_cert_chain(certificate, key, password="")  # a locked key is refused, not asked for
-    except (OSError, ssl.SSLError) as error:
-        raise CertificateError(f"{certificate}, {key}: {error}") from error
+    except ssl.SSLError as error:
+        # Its own words name a line of the library's source.
+        cause = (error.reason or "cannot be read").lower().replace("_", " ")
+        text = f"must be a certificate and its key, in PEM and without a password ({cause})"
+        raise CertificateError(f"{certificate}, {key}: {text}") from error
+    except OSError as error:
+        raise CertificateError(f"{certificate}, {key}: {why(error)}") from error
     return context
 
 

@@ -5,8 +5,9 @@ rosrun seater_sim measure_rendering CAMERA_INFO.yaml [IMAGES per case]
 
 from __future__ import annotations
 
-import sys
+import argparse
 import time
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -29,13 +30,16 @@ CASES = [
 ]
 
 
-def main() -> None:
-    """Prints a table for each encoding; one thread."""
-    if len(sys.argv) not in (2, 3):
-        sys.exit("usage: measure_rendering CAMERA_INFO.yaml [IMAGES per case]")
+def main() -> int:
+    """Prints a table for each encoding; one thread. Raises ParameterError: the camera's file cannot be used."""
+    parser = argparse.ArgumentParser(prog="measure_rendering", description="How long an image takes to render.")
+    parser.add_argument("camera", type=Path, metavar="CAMERA_INFO.yaml", help="a file like config/cameras/d455.yaml")
+    parser.add_argument("images", type=int, nargs="?", default=50, help="of each case (50)")
+    options = parser.parse_args()
+    if options.images < 1:
+        parser.error(f"IMAGES: is {options.images}, must be at least 1")
     cv2.setNumThreads(1)
-    images = int(sys.argv[2]) if len(sys.argv) == 3 else 50
-    model = CameraModel.load(sys.argv[1])
+    images, model = options.images, CameraModel.load(options.camera)
     for encoding in ("mono8", "rgb8"):
         camera = Camera(model, Chair().camera, Dock(), CameraSettings(encoding=encoding))
         rows = []
@@ -51,6 +55,7 @@ def main() -> None:
         print(tabulate(rows, ["", "median", "95 %"], floatfmt=".1f"))
     for kind in (KINEMATIC, WHEELCHAIR):
         print(f"step of 10 ms without images, plant {kind}: {_step_us(kind):.0f} us on average over 20 s of driving")
+    return 0
 
 
 def _step_us(kind: str) -> float:

@@ -118,8 +118,11 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--for", type=float, default=math.inf, metavar="S", dest="lasts",
                         help="end it again after so long [s] (clear, or continue)")  # fmt: skip
     options = parser.parse_args(rospy.myargv(argv)[1:])
-    rospy.init_node("failure", anonymous=True, disable_signals=True)
     try:
+        if not rosgraph.is_master_online():
+            where = f"no ROS master answers at {rosgraph.get_master_uri()}"
+            raise FailureError(f"{where}: start sim.launch lock_step:=false first")
+        rospy.init_node("failure", anonymous=True, disable_signals=True)
         wait_until_nearer(options.nearer)
         time.sleep(options.after)
         inject(options.component, options.kind, options.values)
