@@ -59,6 +59,6 @@ def test_corners_have_the_same_markers_with_poses_of_their_own() -> None:
     assert {f.stage for f in by_corners.values()} <= {"edges", "corners"}
     assert "photometric" in {f.stage for f in shipped.values()}
     truth = {p.id: p.pose for p in prints}
-    (seen,) = evaluate.look(job)
+    seen = evaluate.look(job)
     expected = count_broken(*({i: branch_of(f, truth[i]) for i, f in d.items()} for d in (by_corners, shipped)))
     assert seen.branches == expected and expected["corners_decided"] >= 6

@@ -70,7 +70,7 @@ def test_shifts_are_smooth_and_as_large_as_asked_for() -> None:
     "kind", [k if k in ("webcam", "over-exposed") else pytest.param(k, marks=pytest.mark.extensive) for k in KINDS]
 )
 def test_each_kind_is_found_with_poses_that_their_covariances_cover(kind: str) -> None:
-    (seen,) = look(job(kind, 40.0))
+    seen = look(job(kind, 40.0))
     assert seen.found[SEATER] >= 11 and seen.false[SEATER] == 0
     assert np.mean(seen.errors) < 12.0 and seen.wrong == 0
 

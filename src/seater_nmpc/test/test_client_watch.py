@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import socket
-import threading
 from types import SimpleNamespace
 from typing import Any
-from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
 from seater_nmpc.ros import goals
-from seater_nmpc.ros.goals import ClientWatch, answers, node_lives
+from seater_nmpc.ros.goals import ClientWatch
 
 GOAL = SimpleNamespace(_connection_header={"callerid": "/client"})
 
@@ -74,29 +71,3 @@ def test_without_the_option_nobody_is_asked(clock: Clock) -> None:
 def test_a_time_out_shorter_than_an_answer_is_refused() -> None:
     with pytest.raises(ValueError, match=r"client_timeout: is 0\.5, must be 0 or at least 2"):
         ClientWatch(0.5)
-
-
-def test_who_answers_lives(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A node's server, one that only knows other calls, one that has ended, and one that stands still."""
-    monkeypatch.setattr(goals, "PING_PATIENCE", 0.3)
-    for known in (True, False):
-        server = SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False)
-        if known:
-            server.register_function(lambda caller: [1, caller, 42], "getPid")
-        uri = f"http://127.0.0.1:{server.server_address[1]}/"
-        threading.Thread(target=server.handle_request, daemon=True).start()
-        assert answers(uri)
-        server.server_close()
-        assert not answers(uri)
-    with socket.socket() as silent:
-        silent.bind(("127.0.0.1", 0))
-        silent.listen()
-        assert not answers(f"http://127.0.0.1:{silent.getsockname()[1]}/")
-
-
-def test_who_is_not_known_to_the_master_is_gone(monkeypatch: pytest.MonkeyPatch) -> None:
-    def unknown(_: str) -> str:
-        raise goals.rosgraph.MasterError("unknown node")
-
-    monkeypatch.setattr(goals.rosgraph, "Master", lambda _: SimpleNamespace(lookupNode=unknown))
-    assert not node_lives("/client")

@@ -9,12 +9,13 @@ import pytest
 from chairs import SlowChair
 
 from seater_common.geometry import Chair, Dock
-from seater_common.se2 import wrap_angle
+from seater_common.se2 import relative, wrap_angle
 from seater_common.way_clearance import smallest_clearance
 from seater_nmpc.control.controller import DockingController
 from seater_nmpc.control.way_round import WayRound
 from seater_nmpc.drive.axis import AxisDrive
 from seater_nmpc.parameters import ControlParameters
+from seater_nmpc.plan.back_off import BackOff
 
 PERIOD = 0.05
 BESIDE = (-1.3438, 1.2052, -1.0057)  # x [m], y [m], heading [rad]
@@ -80,6 +81,22 @@ def test_a_chair_that_looks_away_turns_round_where_it_stands(start: tuple[float,
         chair.drive((command.v, command.omega), PERIOD)
         far = max(far, math.dist(chair.pose[:2], start[:2]))
     assert chair.now < 6.0 and far < 0.35
+
+
+def test_where_backing_off_got_nowhere_the_next_leads_ahead_until_another_goal_begins() -> None:
+    back_off, here = BackOff(0.1), np.array(BESIDE)
+    ahead = []
+    for begin in (0.0, 10.0, 20.0):
+        back_off.begin(begin, here)
+        ahead.append(float(relative(here, back_off.target(begin, here))[0]))
+        assert back_off.target(begin + 8.0, here) is None
+    back_off.forget()
+    back_off.begin(30.0, here)
+    ahead.append(float(relative(here, back_off.target(30.0, here))[0]))
+    assert ahead == pytest.approx([-0.6, 0.6, -0.6, -0.6])
+    back_off.forget()
+    back_off.begin(40.0, here)
+    assert relative(here, back_off.target(40.0, here))[0] == pytest.approx(-0.6)
 
 
 def test_from_straight_ahead_it_drives_for_the_dock_however_long_it_stands(way_round: WayRound) -> None:

@@ -100,12 +100,16 @@ def _pose(u: float, v: float, side: float, random: np.random.Generator) -> Array
     return T
 
 
-def look(job: KindJob | SceneJob) -> list[Look]:
-    """Drawn and looked at: one image, or those of a scene, kind by kind and shift by shift."""
+def look(job: KindJob) -> Look:
+    """One image, drawn and looked at."""
     prints, random = scene(job)
-    if isinstance(job, KindJob):
-        image = photograph(prints, job.kind, job.shift, random)
-        return [_look_at(job, prints, image, (OPENCV, *peers_for(job.dictionary, job.peers)), job.peers)]
+    image = photograph(prints, job.kind, job.shift, random)
+    return _look_at(job, prints, image, (OPENCV, *peers_for(job.dictionary, job.peers)), job.peers)
+
+
+def look_at_scene(job: SceneJob) -> list[Look]:
+    """All images of a scene, drawn and looked at: kind by kind and shift by shift."""
+    prints, random = scene(job)
     clean: dict[float | None, Grey] = {}  # drawing takes ten times longer than all that comes after it
     looks = []
     for name, kind in KINDS.items():
@@ -181,11 +185,12 @@ def run_kinds(
     known, folder = _known(jobs[0], scene(jobs[0])[0])
     make_detector(SEATER, folder, known, parameters)  # wrong parameters: now
     files = subject.library_files()
-    seen = run_long(look, jobs, label="perception_kinds", files=files, partial=partial, workers=workers)
-    if not ours_only:
-        seen = [[looks[0] for looks in seen[k : k + len(sizes)]] for k in range(0, len(seen), len(sizes))]
-    else:
+    function = look_at_scene if ours_only else look
+    seen = run_long(function, jobs, label="perception_kinds", files=files, partial=partial, workers=workers)
+    if ours_only:
         seen = [list(looks) for looks in zip(*seen, strict=True)]
+    else:
+        seen = [seen[k : k + len(sizes)] for k in range(0, len(seen), len(sizes))]
     rows = [_row(*cell, looks) for cell, looks in zip(cells, seen, strict=True)]
     return {"images": images, "seed": seed, "ours_only": ours_only, "rows": rows}
 

@@ -79,12 +79,8 @@ def _not_shown(folder: Path, dictionaries: Sequence[str]) -> tuple[str, ...]:
 
 def has_one_of(dictionary: str, other: str, ids: Iterable[int]) -> bool:
     """Whether `dictionary` has a code that is one of `other`'s, turned by any quarter."""
-    codes = {_code(dictionary, i) for i in range(len(marker_family(dictionary).codes))}
+    codes = {_cells(dictionary, i).tobytes() for i in range(len(marker_family(dictionary).codes))}
     return any(np.rot90(_cells(other, i), turn).tobytes() in codes for i in ids for turn in range(4))
-
-
-def _code(dictionary: str, marker_id: int) -> bytes:
-    return _cells(dictionary, marker_id).tobytes()
 
 
 def _cells(dictionary: str, marker_id: int) -> NDArray[np.uint8]:

@@ -29,9 +29,9 @@ class Clearance:
         self._possible, self._lag, self._a_max = p.walls, p.prediction.motor_lag, chair.limits.a_max
         self._braking = BrakingCheck(chair, p.stop_margin, p.control_period, self._lag)
         self._from_walls, self._most = BrakingCheck(chair, 0.0, p.control_period, self._lag), _SHARE * p.margin
-        self._walls = bay.outlines() if p.walls else []
-        corners = np.concatenate([np.zeros((0, 2)), *self._walls])
-        self._box = (corners.min(axis=0), corners.max(axis=0)) if self._walls else None
+        self._walls = bay.outlines()
+        corners = np.concatenate(self._walls)
+        self._box = corners.min(axis=0), corners.max(axis=0)
         self._radius = float(np.max(np.hypot(*chair.corners().T)))
         self.outlines: list[Array] = []  # convex, anticlockwise, (n, 2) in the dock's frame [m]
 
@@ -59,7 +59,7 @@ class Clearance:
 
     def _reaches(self, at: Array, v: float, hold: float) -> bool:
         """Whether the chair may come near the walls at all before it stands."""
-        if self._box is None:
+        if not self._possible:
             return False
         way = abs(v) * hold + 0.5 * v * v / self._a_max + self._most
         low, high = self._box

@@ -8,6 +8,8 @@ chair round that looks away from the dock, which this does not.)
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,16 +35,20 @@ class WayRound:
         self._dock, self._walls = dock, control.walls
         self._corridor = Corridor(chair, dock, defaults)
         self._progress, self._back_off = Progress(defaults.stall_time), BackOff(defaults.predock_position)
-        self._make_navigator = lambda: Navigator(chair, dock, control, camera=camera)
-        self._navigator: Navigator | None = None
+        self._parts = (chair, dock, control, camera)
         self._planned = False  # whether it drives along a planned way
         self.begins = False  # whether it has got stuck in this cycle: the plan that led there is of no use
+
+    @cached_property
+    def _navigator(self) -> Navigator:
+        chair, dock, control, camera = self._parts
+        return Navigator(chair, dock, control, camera=camera)
 
     def restart(self) -> None:
         """Another docking begins."""
         self._planned = False
         self._progress.restart()
-        self._back_off.end()
+        self._back_off.forget()
 
     def towards(self, target: Target, stamp: float, pose: Array, obstacles: list[Array]) -> Array:
         """Where this cycle drives to (3,), from `pose` at `stamp` [s]; another target than the dock, and one in free
@@ -66,14 +72,12 @@ class WayRound:
         if target is not None:
             self._progress.restart()
             return target
-        if not self._planned or self._navigator is None:
+        if not self._planned:
             return None
         self._navigator.see(obstacles)
         return self._navigator.target(pose)
 
     def _plan(self, obstacles: list[Array]) -> None:
         self._planned = True
-        if self._navigator is None:
-            self._navigator = self._make_navigator()
         self._navigator.see(obstacles)
         self._navigator.give_room()

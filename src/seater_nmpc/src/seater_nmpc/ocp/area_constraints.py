@@ -42,6 +42,7 @@ class AreaConstraints:
         """`areas` fixes how many parts each kind has; where they are comes with each instance."""
         self._chair, self._weights = chair, parameters.weights
         self._fixed: list[AreaConstraint[Any]] = [area.constraint(chair, parameters, programme) for area in areas.parts]
+        self._views = [constraint for constraint in self._fixed if isinstance(constraint, ViewConstraint)]
         self._obstacles = ObstacleConstraint(chair, parameters, programme)
         self._constraints = [*self._fixed, self._obstacles]
         self._view, self._view_at = programme.parameter("view_counts", 1)
@@ -91,8 +92,7 @@ class AreaConstraints:
 
     def set_view(self, areas: Areas, pose: Array, p: Array) -> None:
         """Write how much the view counts for a chair that begins at `pose` (3,) into the parameters."""
-        views = [constraint for constraint in self._fixed if isinstance(constraint, ViewConstraint)]
-        away = any(view.looks_away(areas.view, pose) for view in views)
+        away = any(view.looks_away(areas.view, pose) for view in self._views)
         p[self._view_at] = _LOOKING_AWAY if away else 1.0
 
     def set_lines(self, lines: Array | None, p: Array, lower: Array, upper: Array) -> None:

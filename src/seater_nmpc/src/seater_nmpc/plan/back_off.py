@@ -21,13 +21,14 @@ _NOWHERE = 0.1  # [m] from where the last one began
 class BackOff:
     """One at a time; poses (3,) in the dock's frame."""
 
+    _target: Array | None
+    _began: Array | None  # where the last one did
+    _way: float  # [m] ahead
+
     def __init__(self, near: float) -> None:
         """`near` [m]: so near to its end it is over."""
         self._near = near
-        self._target: Array | None = None
-        self._until = 0.0  # [s]
-        self._began: Array | None = None  # where the last one did
-        self._way = -_WAY
+        self.forget()
 
     @property
     def goes_on(self) -> bool:
@@ -40,9 +41,10 @@ class BackOff:
         self._way, self._began = -self._way if again else -_WAY, pose
         self._target, self._until = compose(pose, [self._way, 0.0, 0.0]), stamp + _TIME
 
-    def end(self) -> None:
-        """It is over, wherever the chair is."""
-        self._target = None
+    def forget(self) -> None:
+        """It is over, wherever the chair is, and so is where the last ones led."""
+        self._target = self._began = None
+        self._until, self._way = 0.0, -_WAY  # [s, m]
 
     def target(self, stamp: float, pose: Array) -> Array | None:
         """Where to (3,); None: it is over, as the chair has arrived or its time is up."""

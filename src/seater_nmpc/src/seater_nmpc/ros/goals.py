@@ -6,21 +6,18 @@ import math
 import threading
 import time
 from collections.abc import Callable
-from http.client import HTTPException
 from typing import Any
-from xmlrpc.client import Fault, ProtocolError, ServerProxy, Transport
 
 import actionlib
-import rosgraph
 import rospy
 from actionlib_msgs.msg import GoalStatus
 
+from seater_common.inputs.node_lives import node_lives
 from seater_msgs.msg import DockAction, UndockAction
 from seater_nmpc.ros import conversions
 from seater_nmpc.sequence.goal.results import Result, ResultCode, Step
 
 PING_PERIOD = 0.5  # [s] of wall time
-PING_PATIENCE = 1.0  # [s] for the answer of a node that stands still
 SHORTEST = 2.0  # [s] of silence that means something
 
 
@@ -104,7 +101,7 @@ class ClientWatch:
         """
         if 0.0 < timeout < SHORTEST:
             raise ValueError(f"sequence/client_timeout: is {timeout}, must be 0 or at least {SHORTEST} [s]")
-        self._timeout, self._lives = timeout, lives or node_lives
+        self._timeout, self._lives = timeout, lives or (lambda name: node_lives(name, rospy.get_name()))
         self._client, self._answered = "", 0.0
         if timeout > 0.0:
             threading.Thread(target=self._work, daemon=True).start()
@@ -131,34 +128,6 @@ class ClientWatch:
             if client and self._lives(client) and client == self._client:
                 self._answered = time.monotonic()
             time.sleep(PING_PERIOD)
-
-
-class _Prompt(Transport):
-    """Gives up in time."""
-
-    def make_connection(self, host: Any) -> Any:
-        connection = super().make_connection(host)
-        connection.timeout = PING_PATIENCE
-        return connection
-
-
-def node_lives(name: str) -> bool:
-    """Whether the node of this name answers, as far as the ROS master knows it."""
-    try:
-        return answers(rosgraph.Master(rospy.get_name()).lookupNode(name))
-    except (rosgraph.MasterException, OSError):
-        return False
-
-
-def answers(uri: str) -> bool:
-    """Whether a node's XML-RPC server answers."""
-    try:
-        ServerProxy(uri, transport=_Prompt()).getPid(rospy.get_name())
-    except Fault:  # an answer, too
-        return True
-    except (OSError, HTTPException, ProtocolError):
-        return False
-    return True
 
 
 def valid_timeout(timeout: float) -> bool:

@@ -34,11 +34,14 @@ class WayIn:
 
     def restart(self) -> None:
         """A phase begins: plan and count standing anew."""
-        self._back_off.end()
-        self._context.stand_patiently()
-        self._context.navigator.restart()
+        self._back_off.forget()
+        self._plan_anew()
         if self._context.goal.phase is not Phase.APPROACH:
             self._context.navigator.as_usual()
+
+    def _plan_anew(self) -> None:
+        self._context.stand_patiently()
+        self._context.navigator.restart()
 
     @property
     def backs_off(self) -> bool:
@@ -123,7 +126,7 @@ class WayIn:
         target = self._back_off.target(chair.stamp, error)
         if target is not None:
             return c.drive(chair, target)
-        self.restart()
+        self._plan_anew()
         return None
 
     def _along_the_way(self, chair: Instant, error: Array) -> Command:
